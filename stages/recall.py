@@ -101,7 +101,7 @@ def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
     for method, search in recall.searches.items():
         for queries in params.queries:
             hit = search.first <= queries
-            shares = {"counted": (hit, whole), "avoidable": (hit & search.avoidable, whole), "recall": (hit, recall.open)}
+            shares = {"counted": (hit, whole), "avoidable": (search.avoidable <= queries, whole), "recall": (hit, recall.open)}
             for metric, (values, among) in shares.items():
                 yield {"method": method, "queries": queries, "metric": metric, **_mean(values, among, recall, params)}
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drivegen.adversaries.shared.naturalness import exchanged
 from drivegen.core import plugins
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.samples import Samples
@@ -44,18 +45,23 @@ def main(params: Params, scenarios: Path, traffic: Path, cases: Path, results: P
 
 
 def _driven(cases: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
-    """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack."""
-    if not cases:
-        return
+    """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack.
+
+    Cases in which nobody was exchanged are left out: they are these scenes.
+    """
     scenarios, untouched = attacked_scenes(cases, as_it_is)
+    rows = [n for n, case in enumerate(cases) if len(exchanged(untouched[n], case.motion[0]))]
+    if not rows:
+        return
+    scenarios, untouched = [scenarios[n] for n in rows], [untouched[n] for n in rows]
     drivers = [plugins.make("drivers", name, params.drivers, "transfer.drivers") for name in params.drivers]
-    recordings = [recording(case.scenario_id) for case in cases]
-    for metric, traffic in (("counted", [case.motion[0] for case in cases]), ("untouched", untouched)):
+    recordings = [recording(scenario.scenario_id) for scenario in scenarios]
+    for metric, traffic in (("counted", [cases[n].motion[0] for n in rows]), ("untouched", untouched)):
         outcomes = plugins.load("simulators", SIMULATOR)().run_each(drivers, scenarios, traffic)
         columns = np.array([outcome.counted for outcome in outcomes], np.float64).T
         random = rng(params.seed, "transfer", "bootstrap")
         for driver, interval in zip(params.drivers, bootstrap_means(columns, recordings, params.draws, random), strict=True):
-            yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(cases)}
+            yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(rows)}
 
 
 if __name__ == "__main__":

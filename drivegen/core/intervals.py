@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 LEVEL = 0.95
 """Coverage of every interval in this project."""
 
-_SCENE = re.compile(r"(-\d{5}-[^-]+|-\d{1,3})$")
-"""What follows the recording in a scenario's id: first step and track in the corpus, a number where recordings are cut."""
+_SCENE = re.compile(r"(-\d{5}-[^-]+|-\d+-\d{4}|-\d{1,3})$")
+"""What follows the recording in a scenario's id: first step and track in the corpus, seed and number on new maps, a number where
+recordings are cut."""
 
 
 _MADE = re.compile(r"(-s\d{2,}|-new)$")
@@ -53,10 +54,11 @@ def recording(scenario_id: str) -> str:
     """The recording that a scenario was cut from, the same for recordings that share vehicles.
 
     Ids are `<file>-<number>` (CommonRoad: windows one after the other, several targets in each), `<log>-<window>` (Argoverse 2
-    Sensor: windows overlap), `<network>-<part>-<run>-<first step>-<target>` (corpus: a run of SUMO is the recording) and a
-    UUID (Argoverse 2 Motion Forecasting: a recording of its own). Scenes of one recording show the same vehicles, at the same
-    time or some seconds later, so they are resampled together and never on both sides of a split. What was generated from a
-    scenario and has become one of its own (`<id>-s<number>`, `<id>-new`) is of the same recording.
+    Sensor: windows overlap), `<network>-<part>-<run>-<first step>-<target>` (corpus: a run of SUMO is the recording) and a UUID
+    (Argoverse 2 Motion Forecasting: a recording of its own). Where vehicles were placed on a map it is `<map>-<seed>-<number>`,
+    and the map stands for the recording: it is one road. Scenes of one recording show the same vehicles, at the same time or some
+    seconds later, so they are resampled together and never on both sides of a split. What was generated from a scenario and has
+    become one of its own (`<id>-s<number>`, `<id>-new`) is of the same recording.
     """
     return group_of(_SCENE.sub("", _MADE.sub("", scenario_id)))
 

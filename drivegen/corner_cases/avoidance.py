@@ -5,7 +5,8 @@ Two careful drivers are asked, each from every moment up to LONGEST before the c
 * `braking`: UN R157's careful and competent human driver: 0.774 g, reached after 0.6 s, straight on. It perceives a risk 0.4 s
   after the first cue and begins to brake 0.75 s later.
 
-The moment is sought every half second, then every tenth between the last half second that is early enough and the one after it.
+The moment is sought every half second and in the first step of all, then every tenth between the last half second that is early
+enough and the one after it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -87,7 +88,8 @@ def _judge(cases: Reenactment, reaction: Reaction | None) -> Iterator[Avoidance]
 
 def latest(cases: Reenactment, evasions: Sequence[Evasion], reaction: Reaction | None) -> NDArray[np.int64]:
     """(C,) the fewest steps before the collision at which some evasion still avoids each case, 0 where none does."""
-    before = np.broadcast_to(np.arange(COARSE, LONGEST + 1, COARSE), (len(cases.contact), LONGEST // COARSE))
+    before = np.minimum(np.arange(COARSE, LONGEST + 1, COARSE), cases.contact[:, None])  # the first step is asked, too
+    before[:, 1:][before[:, 1:] == before[:, :-1]] = 0
     coarse = _first(cases, before, evasions, reaction)
     between = np.maximum(coarse[:, None] - np.arange(COARSE - 1, 0, -1), 0)  # 0 where nothing is to be refined
     fine = _first(cases, between, evasions, reaction)
@@ -97,7 +99,7 @@ def latest(cases: Reenactment, evasions: Sequence[Evasion], reaction: Reaction |
 def _first(
     cases: Reenactment, before: NDArray[np.int64], evasions: Sequence[Evasion], reaction: Reaction | None
 ) -> NDArray[np.int64]:
-    """(C,) the first of `before` (C, K) [steps before the collision, rising] at which some evasion avoids each case, else 0."""
+    """(C,) the first of `before` (C, K) [steps, rising, 0 for none] ahead of contact at which an evasion avoids it, else 0."""
     case, k = np.nonzero((before > 0) & (before <= cases.contact[:, None]))
     steps = np.repeat(cases.contact[case] - before[case, k], len(evasions))
     good = cases.avoids(np.repeat(case, len(evasions)), steps, list(evasions) * len(case), reaction)

@@ -53,7 +53,7 @@ def replayed_case(scenario: Scenario, traffic: Trajectories, outcome: DrivingOut
         scenario=scenario,
         traffic=traffic,
         attacker=0,
-        driven=outcome.motion[run],
+        driven=outcome.motion[run].until(traffic.steps),  # scenes driven with it may be longer
         step=int(outcome.step[run]),
         partner=int(outcome.partner[run]),
         kind=CollisionKind(int(outcome.kind[run])),

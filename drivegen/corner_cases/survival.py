@@ -46,13 +46,13 @@ class Reacting(StrEnum):
     ALL = "all"
 
 
-ATTENTION = {"attentive": (0.4, 8.0), "ordinary": (0.75, 6.0), "slow": (1.5, 4.0)}
-"""Delay [s] and hardest braking [m/s2] of neighbours; `ordinary` is what `drive.reaction` has."""
+ATTENTION = {"attentive": (0.4, 8.0), "ordinary": None, "slow": (1.5, 4.0)}
+"""Delay [s] and hardest braking [m/s2] of neighbours; ordinary ones have those of the law."""
 
 
 def attentions(law: Reaction) -> dict[str, Reaction]:
     """The `law` with each delay and braking of ATTENTION."""
-    return {name: replace(law, delay=delay, braking=braking) for name, (delay, braking) in ATTENTION.items()}
+    return {name: law if at is None else replace(law, delay=at[0], braking=at[1]) for name, at in ATTENTION.items()}
 
 
 def holds(cases: Sequence[Repeatable], driver: Driver, reacting: Reacting, law: Reaction) -> NDArray[np.bool_]:

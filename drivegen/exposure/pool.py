@@ -29,7 +29,7 @@ from drivegen.world.outcome import DrivingOutcome
 from drivegen.world.reactive import Reaction
 
 CAUTION, BEHIND = 0.2, 0.5
-"""[m/s] the gap that a second of warning is worth, and [m] that of somebody who comes up from behind."""
+"""[m/s] the gap that a second of warning is worth, and [m] that of somebody who comes up from behind: numbers of its own."""
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,11 @@ import pytest
 
 from drivegen.core.scenario import DT
 from drivegen.corner_cases.avoidance import RESPONSE, Avoidable, Avoidance, judge
+from drivegen.corner_cases.failures import replayed_case
+from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.reactive import Reaction
-from tests.corner_cases.handmade import LINE, NEXT, collision
-from tests.scenes import drive, stack, straight_road
+from tests.corner_cases.handmade import LINE, NEXT, ROAD, Blind, collision
+from tests.scenes import drive, scenario, stack, straight_road
 
 LAW = Reaction(delay=0.75, braking=6.0, headway=0.6, min_gap=1.0, acceleration=1.5, comfort=3.0)
 ONE_LANE = straight_road(600, lanes=1)
@@ -46,6 +48,23 @@ def test_who_stands_in_the_only_lane_can_be_avoided_as_long_as_the_way_to_stop_i
         assert begin * 1.0 + way <= gap < (begin + 1) * 1.0 + way
     assert found.cue == pytest.approx(3.0, abs=0.11)
     assert found.verdict == Avoidable.WARNED
+
+
+def test_a_collision_that_only_its_first_step_avoids_is_sudden():
+    (found,) = judge([collision(stack([drive(LINE, 20, 16, 101), drive(LINE, 46.6, 0, 101)]), roads=ONE_LANE)])
+    assert 1.6 + braking_distance(16, 6.0, 0) > 22 >= braking_distance(16, 6.0, 0)
+    assert (found.latest, found.cue) == pytest.approx((1.4, 1.4))
+    assert found.verdict == Avoidable.SUDDEN
+
+
+def test_a_scene_that_is_shorter_than_one_driven_beside_it_is_judged_as_alone():
+    short, long = (
+        stack([drive(LINE, 20, 10, 61), drive(LINE, 60, 0, 61)]),
+        stack([drive(LINE, 20, 10, 101), drive(NEXT, 60, 0, 101)]),
+    )
+    scenes = [scenario(ROAD, short), scenario(ROAD, long)]
+    run = Batch().run(Blind(), scenes, [short, long])
+    assert judge([replayed_case(scenes[0], short, run, 0, "blind")]) == judge([collision(short)])
 
 
 def test_beside_a_free_lane_it_can_be_avoided_for_longer_and_the_kerb_is_no_free_lane():

@@ -1,5 +1,7 @@
 """What holds among neighbours that react, and who has to be deaf for it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from drivegen.corner_cases.survival import Reacting, attentions, holds, survival
@@ -27,3 +29,9 @@ def test_who_comes_from_the_side_holds_as_long_as_it_is_deaf_or_slow_and_who_sta
 def test_a_sound_driver_does_not_run_into_who_stands_and_without_an_attacker_the_one_that_was_hit_is_deaf():
     assert not holds([STANDS], SOUND, Reacting.NOBODY, LAW)[0]
     assert holds([collision(CROSSES, attacker=0)], Blind(), Reacting.BUT_ATTACKER, LAW)[0]
+
+
+def test_ordinary_neighbours_react_by_the_law_itself():
+    slower = replace(LAW, delay=1.1)
+    assert attentions(slower)["ordinary"] == slower
+    assert attentions(slower)["attentive"] == attentions(LAW)["attentive"]

@@ -107,3 +107,8 @@ def test_nothing_to_average_is_not_a_number():
 )
 def test_a_recording_is_found_in_the_ids_that_every_data_set_writes(scenario_id, found):
     assert recording(scenario_id) == found
+
+
+def test_scenes_placed_on_one_map_are_of_one_recording() -> None:
+    assert {recording(name) for name in ("cross-7-0003", "cross-8-0011-s02", "cross-7-0004-new")} == {"cross"}
+    assert recording("four_way-2-7-0003") == "four_way-2"

@@ -12,7 +12,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
 from drivegen.report.published.transfer import transfer_table
 from drivegen.store.files import write_json
-from drivegen.store.samples import write_samples
+from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import write_shard
 from stages import publish_corner, transfer
 from stages._door import read_params, read_section
@@ -51,6 +51,16 @@ def test_of_several_scenes_the_one_that_was_attacked_is_driven_without_the_attac
     for part in ("test", "attack"):
         (tmp_path / part).symlink_to(made / part)
     assert [row["value"] for row in run(tmp_path, tmp_path)] == [1.0, 0.0]
+
+
+def test_a_case_in_which_nobody_was_exchanged_is_no_attack(made, tmp_path):
+    cases = read_samples(made / "attack/idm/random.legal.10/samples.parquet")
+    futures = [Samples.without_goals(case.scenario_id, "drivegen", case.motion) for case in cases]
+    futures += [Samples.without_goals("run2-0", "drivegen", scene(2).log[np.newaxis])]
+    write_samples(tmp_path / "round" / SHARD, futures)
+    for part in ("test", "attack"):
+        (tmp_path / part).symlink_to(made / part)
+    assert run(tmp_path, tmp_path) == []
 
 
 def test_cases_of_other_scenarios_are_refused(made, tmp_path):

@@ -81,6 +81,7 @@ class Arena:
 
     def again(self, driver: Driver) -> Self:
         """The same ground and bounds for another driver, no run made; what does not depend on who drives is shared."""
+        _ = self.judges  # made once, and shared from here on
         other = copy(self)
         other.trials, other.spent, other._runs = self.trials.by(driver), np.zeros_like(self.spent), []
         return other
@@ -183,7 +184,7 @@ class Runs:
         return self.arena.ground.of[self.variants.scene]
 
     def best(self, worth: NDArray[np.integer]) -> NDArray[np.int64]:
-        """(C,) the run of most `worth` (R,) in each scenario, of equals the first, if worth 0 the last; -1 where there is none."""
+        """(C,) the run of most `worth` (R,) in each scenario, of equals the first, of worth 0 the last; -1 where is none."""
         order = np.lexsort((np.where(worth > 0, self.query, -self.query), -worth, self.scenario))
         scenario, first = np.unique(self.scenario[order], return_index=True)
         best = np.full(len(self.arena.ground.choices), -1, np.int64)
@@ -195,11 +196,12 @@ class Runs:
         scene, outcome = int(self.variants.scene[run]), self.outcome
         mine = np.flatnonzero(self.variants.row == run)
         vehicle, motion = self.variants.vehicle[mine], self.variants.motion[mine]
+        traffic = self.arena.judges[scene].exchanged(vehicle, motion)
         return Case(
             scenario=self.arena.trials.scenarios[scene],
-            traffic=self.arena.judges[scene].exchanged(vehicle, motion),
+            traffic=traffic,
             attacker=int(self.variants.attacker[run]),
-            driven=outcome.motion[run],
+            driven=outcome.motion[run].until(traffic.steps),  # others of the arena may be longer
             step=int(outcome.step[run]),
             partner=int(outcome.partner[run]),
             kind=CollisionKind(int(outcome.kind[run])),

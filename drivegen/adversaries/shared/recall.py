@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Arena, Runs
 from drivegen.adversaries.shared.candidates import Candidates
+from drivegen.adversaries.shared.findings import handed_over
 from drivegen.adversaries.shared.goals import exchanged_goals
-from drivegen.corner_cases.avoidance import Avoidable, judge
 from drivegen.corner_cases.trials import Variants
 
 EVERY, VARIED = "every_goal", "drivegen_cs"
@@ -30,23 +30,20 @@ class Search:
 
     Attributes:
         first: (C,) the run in which the driver first had a counted collision, inf where it never had.
-        avoidable: (C,) whether that collision could have been avoided.
+        avoidable: (C,) the same of one that could have been avoided.
     """
 
     first: NDArray[np.float64]
-    avoidable: NDArray[np.bool_]
+    avoidable: NDArray[np.float64]
 
     @classmethod
     def of(cls, runs: Runs) -> "Search":
-        """Judge the first failure in each scenario."""
+        """Judge failures in each scenario until one could have been avoided."""
         first = np.full(len(runs.arena.ground.choices), np.inf)
         failed = np.flatnonzero(runs.outcome.counted)
         np.minimum.at(first, runs.scenario[failed], runs.query[failed])
-        cases = failed[runs.query[failed] == first[runs.scenario[failed]]]
-        avoidable = np.zeros(len(first), np.bool_)
-        verdicts = judge([runs.case(case, "", "") for case in cases.tolist()])
-        avoidable[runs.scenario[cases]] = [each.verdict != Avoidable.NO for each in verdicts]
-        return cls(first, avoidable)
+        handed, avoidable = handed_over(runs)
+        return cls(first, np.where(avoidable, runs.query[handed], np.inf))
 
 
 @dataclass(frozen=True)

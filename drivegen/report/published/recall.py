@@ -39,7 +39,7 @@ def recall_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         (
             f"Scenes: {every['n']}, seeds: {every['seeds']}, 95 % over recordings. There is what fails as it is, or once one "
             "legal goal of one vehicle is exchanged, by any of several motions towards it; all are driven. Counted and avoidable "
-            "are shares of all scenes, by the first failure found. Whoever draws one motion towards each goal cannot find all; "
+            "are shares of all scenes in which one is found. Whoever draws one motion towards each goal cannot find all; "
             "who varies goals (DriveGen-CS, CAT) also finds what is not among them, which counts in the first two columns.",
         ),
     )

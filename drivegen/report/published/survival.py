@@ -21,7 +21,7 @@ def survival_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         cells = (_cell({name: of[who, name] for name in ATTENTION}) for who in WHO)
         count = str(of[WHO[0], ORDINARY]["n"])
         lines.append(row(driver, title_of(method), count, *cells, origin=origin_of(method)))
-    others = ", ".join(f"{name} {delay:g} s, {braking:g} m/s2" for name, (delay, braking) in ATTENTION.items())
+    others = ", ".join(f"{name} {at[0]:g} s, {at[1]:g} m/s2" for name, at in ATTENTION.items() if at is not None)
     return Table(
         "survival",
         "Which cases hold when others react: share that still ends in a counted collision",
@@ -29,7 +29,8 @@ def survival_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         tuple(lines),
         (
             f"Legal cases; seeds: {rows[0]['seeds']}, of the first of which the number of cases is; 95 % over recordings. "
-            f"Who reacts follows its own way and brakes after a delay, at most so hard: {others}. Ordinary ones stand first. "
+            f"Who reacts follows its own way and brakes after a delay, at most so hard: {others}, ordinary ones "
+            "as `drive.reaction` says; these stand first. "
             "Where nobody was exchanged, the one that was hit counts as the attacker.",
         ),
     )

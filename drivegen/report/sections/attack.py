@@ -107,8 +107,8 @@ def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mappin
         lines.append(row(values["title"], _allowed(values), number(values["budget"]), *cells))
     heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000 scenes", "for 1000 counted runs")
     note = (
-        "Each scene hands over one run. Planning, checking, driving, and judging what is handed over are in it, reading the "
-        "scenes is not."
+        "Each scene hands over one run. Planning, checking, driving, and judging until it is known which one are in it, reading "
+        "the scenes is not."
     )
     return Table(
         f"attack-{driver}-costs", f"Table IV, extended. What cases of {driver} cost", heads, tuple(lines), (note,), False
