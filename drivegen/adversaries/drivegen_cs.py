@@ -1,7 +1,8 @@
 """DriveGen-CS: goals of one attacker, planned and legal, ranked by what is known of the driver, the best of them rehearsed.
 
 The goals that rank best are varied before anything is driven: places a little farther or nearer, other speeds there, so other
-times of arrival, all planned by the planner and judged by the checker (`shared.variation`).
+times of arrival, all planned by the planner; and each of these plans once more, shifted across on its way, so other times and
+places of a change of lane. All is judged by the checker (`shared.variation`).
 
 Knowledge is made of runs of the driver alone, which count: first each scene is driven as it is. A candidate is dangerous where
 its planned motion meets the target's own, and where it gives little warning, since drivers brake for what they see in their way.

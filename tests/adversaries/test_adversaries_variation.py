@@ -8,6 +8,7 @@ import pytest
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.goals import EULER_STEPS, exchanged_goals
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.adversaries.shared.shift import Shift
 from drivegen.adversaries.shared.variation import Variation, odds_of_nearest, with_variations
 from drivegen.core.scenario import Trajectories
 from drivegen.drivers import idm
@@ -17,6 +18,7 @@ from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
 from tests.models import candidate_settings, planner, two_lanes
 
+SHIFT, NO_SHIFT = Shift(3.0, 3.0, 6.0), Shift(0.0, 3.0, 6.0)
 NOWHERE, NEAR = Spread(0.0, 0.0, 0.0), Spread(10.0, 0.3, 2.0)
 
 
@@ -34,7 +36,7 @@ def varied(arena, variation, order=None):
 
 
 def test_the_pool_comes_first_then_what_is_allowed_of_the_best_of_each_scene(arena):
-    pool, whole = varied(arena, Variation(3, 5, NEAR))
+    pool, whole = varied(arena, Variation(3, 5, NEAR, NO_SHIFT))
     count = len(pool)
     np.testing.assert_array_equal(whole.motion.position[:count, :101], pool.motion.position)
     assert count < len(whole) <= count + 2 * 3 * 5
@@ -63,7 +65,7 @@ def test_a_variation_has_the_odds_of_the_goal_nearest_to_where_it_ends(arena):
 
 def test_without_spread_only_the_planners_noise_differs_and_with_it_ends_do(arena):
     def ends(spread):
-        pool, whole = varied(arena, Variation(2, 8, spread))
+        pool, whole = varied(arena, Variation(2, 8, spread, NO_SHIFT))
         of = {(s, n, g): q for q, (s, n, g) in enumerate(zip(pool.scene, pool.vehicle, pool.goal, strict=True))}
         count = len(pool)
         keys = zip(whole.scene[count:], whole.vehicle[count:], whole.goal[count:], strict=True)
@@ -86,11 +88,12 @@ def test_who_drives_never_stands_at_once_however_near_a_place_would_be(arena):
 
 
 def test_several_motions_towards_a_goal_are_one_goal_and_every_variation_starts_where_its_vehicle_stands(arena):
-    once = varied(arena, Variation(3, 5, NEAR))
+    once = varied(arena, Variation(3, 5, NEAR, NO_SHIFT))
     pool = exchanged_goals(arena, 2, np.arange(2))
     first = [np.flatnonzero((pool.scene == s) & (pool.vehicle == n) & (pool.goal == g))[0]
              for s, n, g in zip(once[0].scene, once[0].vehicle, once[0].goal, strict=True)]  # fmt: skip
-    whole = with_variations(arena, pool, np.array([*first, *np.setdiff1d(np.arange(len(pool)), first)]), Variation(3, 5, NEAR))
+    order = np.array([*first, *np.setdiff1d(np.arange(len(pool)), first)])
+    whole = with_variations(arena, pool, order, Variation(3, 5, NEAR, NO_SHIFT))
     here, there = slice(len(once[0]), None), slice(len(pool), None)
     np.testing.assert_array_equal(whole.motion.position[there], once[1].motion.position[here])
     start = np.array([arena.trials.scenarios[s].vehicles.position[n] for s, n in zip(whole.scene, whole.vehicle, strict=True)])
@@ -98,23 +101,34 @@ def test_several_motions_towards_a_goal_are_one_goal_and_every_variation_starts_
 
 
 def test_nothing_is_varied_where_none_is_asked_for_or_nothing_has_a_goal(arena):
-    pool, whole = varied(arena, Variation(0, 5, NEAR))
+    pool, whole = varied(arena, Variation(0, 5, NEAR, SHIFT))
     assert whole is pool
     tracks = exchanged_motions(arena, Perturbation(3, 1.0, 0.005), 1, np.arange(2))
-    assert with_variations(arena, tracks, np.arange(len(tracks)), Variation(3, 5, NEAR)) is tracks
+    assert with_variations(arena, tracks, np.arange(len(tracks)), Variation(3, 5, NEAR, NO_SHIFT)) is tracks
+
+
+def test_behind_the_variations_are_those_that_are_there_throughout_once_more_shifted_across(arena):
+    pool, plain = varied(arena, Variation(3, 5, NEAR, NO_SHIFT))
+    whole = with_variations(arena, pool, np.arange(len(pool)), Variation(3, 5, NEAR, SHIFT))
+    for field in ("position", "heading", "velocity", "valid"):
+        np.testing.assert_array_equal(getattr(whole.motion, field)[: len(plain)], getattr(plain.motion, field))
+    shifted = np.arange(len(plain), len(whole))
+    assert len(shifted)
+    assert whole.motion.valid[shifted].all()
+    assert arena.allows(whole.scene[shifted], whole.vehicle[shifted], whole.motion[shifted]).all()
 
 
 def test_a_scene_has_the_same_variations_whoever_is_beside_it(arena):
-    pool, whole = varied(arena, Variation(2, 4, NEAR))
+    pool, whole = varied(arena, Variation(2, 4, NEAR, SHIFT))
     second = np.flatnonzero(pool.scene == 1)
-    _, alone = varied(arena, Variation(2, 4, NEAR), second)
+    _, alone = varied(arena, Variation(2, 4, NEAR, SHIFT), second)
     mine = np.flatnonzero(whole.scene[len(pool) :] == 1) + len(pool)
     np.testing.assert_array_equal(alone.motion.position[len(pool) :], whole.motion.position[mine])
     assert replace(alone, motion=None).vehicle[len(pool) :].tolist() == whole.vehicle[mine].tolist()
 
 
 def test_adversaries_hurry_a_planner_by_flow_and_leave_it_as_it_was(arena):
-    slow, whole = arena.ground.planner.in_steps(8), varied(arena, Variation(3, 5, NEAR))[1]
+    slow, whole = arena.ground.planner.in_steps(8), varied(arena, Variation(3, 5, NEAR, NO_SHIFT))[1]
     other = Arena(idm.Plugin(IDM), replace(arena.ground, planner=slow), arena.bounds, arena.seed)
-    np.testing.assert_array_equal(varied(other, Variation(3, 5, NEAR))[1].motion.position, whole.motion.position)
+    np.testing.assert_array_equal(varied(other, Variation(3, 5, NEAR, NO_SHIFT))[1].motion.position, whole.motion.position)
     assert arena.ground.planner.euler_steps == EULER_STEPS < slow.euler_steps

@@ -1,9 +1,11 @@
 """Variations of the best goals: the same vehicle gets a little farther or less far, arrives faster or slower, more to one side.
 
 A goal is one place with one speed; who is to meet a driver has to be in its way at the right moment. So the goals that come
-nearest to the driver are planned again towards many places near them, and what comes of that is judged and ranked as goals are.
+nearest to the driver are planned again towards many places near them. Each of these plans is there once more, shifted across on
+its way (`shared.shift`): another time and place of a change of lane. What comes of both is judged and ranked as goals are.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from drivegen.adversaries.shared.arena import Arena, Ground
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.adversaries.shared.goals import hurried
+from drivegen.adversaries.shared.shift import Shift
 from drivegen.core import seeds
 from drivegen.core.scenario import Trajectories
 from drivegen.core.settings import Count, Index
@@ -24,11 +27,12 @@ METRES = 2.0
 
 @dataclass(frozen=True)
 class Variation:
-    """`best`: so many goals of each scene are varied, none for 0, `times` each. `spread`: of the places around them."""
+    """`best`: so many goals of each scene are varied, none for 0, `times` each. `spread`: of the places around them. `shift`."""
 
     best: Index
     times: Count
     spread: Spread
+    shift: Shift
 
 
 def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], variation: Variation) -> Candidates:
@@ -51,12 +55,25 @@ def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], 
     of_scenario = [digits[scenario == c] for c in range(len(ground.choices))]
     seed = seeds.derive(arena.seed, "variations")
     planned = plan_near_goals(ground.choices, of_scenario, variation.spread, hurried(ground.planner), seed)
-    motion = Trajectories.joined(planned)
+    ids = [choice.scenario.scenario_id for choice in ground.choices]
+    motion, planned_as = _with_shifts(planned, variation.shift, [seeds.rng(arena.seed, "shifts", name) for name in ids])
+    rows = rows[planned_as]
     kept = np.flatnonzero(arena.allows(pool.scene[rows], pool.vehicle[rows], motion))
     rows, motion = rows[kept], motion[kept]
     odds = odds_of_nearest(ground, pool.scene[rows], pool.vehicle[rows], motion)
     varied = Candidates(pool.scene[rows], pool.vehicle[rows], pool.goal[rows], odds, motion)
     return Candidates.joined([pool, varied])
+
+
+def _with_shifts(
+    planned: Sequence[Trajectories], shift: Shift, streams: Sequence[np.random.Generator]
+) -> tuple[Trajectories, NDArray[np.int64]]:
+    """All tracks (E, T) of all scenarios, then those that are there throughout once more, shifted; and (F,) which is which's."""
+    there = [np.flatnonzero(motion.valid.all(1) & (shift.most > 0)) for motion in planned]
+    moved = [shift.draw(motion[rows], random) for motion, rows, random in zip(planned, there, streams, strict=True)]
+    first = np.cumsum([0, *(len(motion.valid) for motion in planned)])
+    again = [low + rows for low, rows in zip(first[:-1], there, strict=True)]
+    return Trajectories.joined([*planned, *moved]), np.concatenate([np.arange(first[-1]), *again])
 
 
 def odds_of_nearest(

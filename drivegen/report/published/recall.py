@@ -11,6 +11,7 @@ METRICS = ("counted", "avoidable", "recall")
 VARIANTS = {
     "": "whole",
     "no_variations": "goals as they are, without variations",
+    "no_shifts": "variations without those shifted across",
     "no_warning": "without regard to warning",
     "anyone_behind": "without regard to who comes from behind",
     "no_ease": "without regard to how hard vehicles accelerate",
