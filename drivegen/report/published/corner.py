@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from drivegen.report.published.seeds import mean_of_some
+from drivegen.report.published.seeds import estimate_of
 
 METRICS = {
     "cr": "collision",
@@ -29,7 +29,7 @@ Costs = Mapping[str, Mapping[str, float]]
 def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -> Iterator[dict[str, Any]]:
     """Rows {data, driver, method, neighbours, allowed, queries, metric, value, low, high, n, seeds} of one driver, a run a seed.
 
-    Values and ends are means over seeds; ends are None where none were measured. n is the number of scenes, from each of which
+    Values and ends are means over seeds that have them (`estimate_of`). n is the number of scenes, from each of which
     one case is handed over: 1 000 of these take `cpu_seconds_per_1000`, as many counted runs `cpu_seconds_per_1000_counted`.
     """
     for key, first in runs[0][0].items():
@@ -41,12 +41,11 @@ def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -
             "queries": first["budget"],
         }
         for name, source in METRICS.items():
-            three = [[attacks[key].get(source + end) for attacks, _ in runs] for end in ("", ".low", ".high")]
-            value, low, high = map(mean_of_some, three)
-            if value is not None:
+            found = estimate_of([[attacks[key].get(source + end) for end in ("", ".low", ".high")] for attacks, _ in runs])
+            if found["seeds"]:
                 neighbours = "reactive" if name == "survives_reaction" else "replayed"
-                ends = {"low": low, "high": high, "n": int(first["scenarios"]), "seeds": len(runs)}
-                yield {**about, "neighbours": neighbours, "metric": name, "value": value, **ends}
+                count = {"n": int(first["scenarios"]), "seeds": found.pop("seeds")}
+                yield {**about, "neighbours": neighbours, "metric": name, **found, **count}
         taken = [(costs[key], attacks[key]["scenarios"]) for attacks, costs in runs if key in costs]
         seconds = sum(cost["cpu_seconds"] for cost, _ in taken)
         counts = {"cpu_seconds_per_1000": sum(scenes for _, scenes in taken)}
