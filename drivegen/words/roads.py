@@ -30,6 +30,8 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     if nothing := next((fact for fact in scene.everything.facts if fact.name in _SIZES and fact.value == 0), None):
         raise Unfit(f"{nothing.text!r} is nothing that could be drawn")
     left_hand = only(scene.everything.values("left_hand"), "traffic is said to keep left and right")
+    if scene.everything.has(*_BENT) and any(f.name == "gap" and "east" in f.text.split() for f in scene.everything.facts):
+        raise Unfit("where a road bends, say how far along it something lies, not in which direction")
     _none_by_number(scene)
     _lights(scene)
     _single_road(scene)

@@ -274,6 +274,9 @@ class Walk:
         behind = fact.text.split()[-3:]
         if fact.name == "gap" and behind[0] in _BEHIND and behind[1] == "the" and stem(behind[2]) != self._last_noun():
             raise Unfit(f"it is not clear what lies {fact.text!r}")
+        only = any(item.phrase.name == "only one of several" for item in self.items[:i])
+        if only and {"no", "without", "not"} & set(fact.text.split()):
+            raise Unfit(f"say what the others have, not that only one has {fact.text!r}")
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
         if fact.name == "arms" and self.mark in words("prepositions") and not self._all_arms():
