@@ -247,8 +247,10 @@ def test_the_table_of_contents_goes_by_data_set(missing: list[str], said: str):
     data = data_set()
     found = [*tables(data, pooled_of(data), 50, rng(7, "paired")), *models([trained("train_generator/bits", 7, 1.0)], ABOUT)]
     paired = Table("paired-drivegen_vlm-x", "DriveGen by a model less the others, paired: some scenes", (), ())
-    text = index([*found, paired], {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing})
+    codes = [{"commit": "1a2b", "changed": False, "runs": []}, {"commit": "3c4d", "changed": True, "runs": []}]
+    text = index([*found, paired], {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing, "code": codes})
     assert said in text
+    assert "Of code 1a2b, 3c4d and uncommitted changes. A run is" in text
     assert text.index("paired-drivegen_vlm-x.md") < text.index("## Across data sets")
     assert (
         text.index("## some scenes")
