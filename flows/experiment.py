@@ -16,11 +16,19 @@ from prefect.futures import PrefectFuture, as_completed
 from prefect.states import Completed, Failed
 from prefect.task_runners import ThreadPoolTaskRunner
 
-from flows import pipeline
+from flows import FlowFailed, pipeline, workspace
 from flows.bring_up import by_a_sentence, run_stage
 
-RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
-"""Two stages at once; each may itself use `run.workers` processes."""
+
+def stages_at_once(params: Path) -> int:
+    """`run.stages` of the file `params`; each may itself use `run.workers` processes. Raises FlowFailed if it is no count."""
+    stages = workspace.read_yaml(params)["run"].get("stages")
+    if not isinstance(stages, int) or stages < 1:
+        raise FlowFailed(f"{params}: run.stages is {stages!r}: say how many stages run at once, 1 or more")
+    return stages
+
+
+RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=stages_at_once(Path(__file__).parent.parent / "params.yaml"))
 
 
 @flow(name="experiment", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree

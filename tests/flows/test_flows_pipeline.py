@@ -12,6 +12,7 @@ import yaml
 from dvc.repo import Repo
 
 from flows import FlowFailed, pipeline, workspace
+from flows.experiment import stages_at_once
 from tests.flows import toy
 
 
@@ -40,6 +41,16 @@ def test_a_stage_whose_inputs_come_out_equal_is_not_run_again(done):
     (done / "dvc.yaml").write_text(toy.DVC.replace("grep -o", "grep  -o"))
     assert pipeline.read().stale == {"maps", "place", "ship"}
     assert run_stale() == ["maps"]
+
+
+@pytest.mark.parametrize("stages", [0, -1, "two", None, 1.5])
+def test_how_many_stages_run_at_once_is_said_by_a_count(tmp_path: Path, stages: object):
+    params = tmp_path / "params.yaml"
+    params.write_text(yaml.safe_dump({"run": {"stages": 3}}))
+    assert stages_at_once(params) == 3
+    params.write_text(yaml.safe_dump({"run": {"stages": stages}}))
+    with pytest.raises(FlowFailed, match=r"params.yaml: run.stages is .*: say how many stages run at once, 1 or more"):
+        stages_at_once(params)
 
 
 def test_lines_are_streamed_and_hints_left_out(root):
