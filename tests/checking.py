@@ -20,6 +20,7 @@ LIMITS = Limits(
     overlap_context=0.0,
     off_road=0.3,
     wrong_way=1.0,
+    oncoming_lanes=0.5,
     speed=40.0,
     over_limit=3.0,
     acceleration=4.0,

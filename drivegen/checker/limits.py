@@ -24,6 +24,8 @@ class Limits:
         overlap_context: the same for a vehicle and a pedestrian, cyclist or motorcyclist [m].
         off_road: distance by which a corner may stay outside the drivable area for three looks in a row (`road.STRIDE`) [m].
         wrong_way: time for which a vehicle may face or move against every lane under it, outside junctions [s].
+        oncoming_lanes: time for which a vehicle may have a front corner on lanes that all lead against it (`road.OVER_THE_LINE`),
+            outside junctions [s].
         speed: absolute speed [m/s].
         over_limit: speed above the lane's limit, where it has one [m/s].
         acceleration, braking: along the direction of travel, both positive [m/s2].
@@ -44,6 +46,7 @@ class Limits:
     overlap_context: NotNegative
     off_road: NotNegative
     wrong_way: NotNegative
+    oncoming_lanes: NotNegative
     speed: NotNegative
     over_limit: NotNegative
     acceleration: NotNegative
@@ -98,6 +101,7 @@ ALL_FINITE = 0.0
     OVERLAP_CONTEXT,
     OFF_ROAD,
     WRONG_WAY,
+    ONCOMING_LANES,
     SPEED,
     OVER_LIMIT,
     ACCELERATION,
@@ -118,6 +122,7 @@ FLAGS = (
     Violation.COLLISION,
     Violation.COLLISION_WITH_CONTEXT,
     Violation.OFF_ROAD,
+    Violation.WRONG_WAY,
     Violation.WRONG_WAY,
     Violation.SPEED,
     Violation.SPEED,

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from drivegen.checker.limits import NEVER, OFF_ROAD, OVER_LIMIT, WRONG_WAY
+from drivegen.checker.limits import NEVER, OFF_ROAD, ONCOMING_LANES, OVER_LIMIT, WRONG_WAY
 from drivegen.core.scenario import DT
 from drivegen.roads.drivable import CELL, LIMIT_UNIT, MARGIN, SECTORS
 
@@ -15,6 +15,10 @@ START_TOLERANCE = 0.3
 
 WRONG_WAY_SPEED = 1.0
 """Driving against the lanes counts above this speed [m/s]."""
+
+OVER_THE_LINE = 0.25
+"""So far [m] a front corner may be on lanes that lead against the vehicle; the raster lets pass up to 0.6 m more, as it gives a
+border to the lanes on both sides."""
 
 _AGAINST = 5
 """More than this many sixteenths of a turn from every lane under the vehicle is the wrong way (about 120 degrees)."""
@@ -83,9 +87,13 @@ def judge(outside, around, directions, limits, origin, position, heading, direct
         worst[b, OFF_ROAD], first[b, OFF_ROAD] = _judge_edges(
             outside, around, origin, position[b], direction[b], valid[b], size[b, 0], size[b, 1], limit[OFF_ROAD]
         )
+        motion = (position[b], heading[b], direction[b], velocity[b], valid[b])
         # An array of results costs more than the look-ups: both rules of the lanes come back as numbers.
         worst[b, WRONG_WAY], first[b, WRONG_WAY], worst[b, OVER_LIMIT], first[b, OVER_LIMIT] = _judge_lanes(
-            directions, limits, origin, (position[b], heading[b], direction[b], velocity[b], valid[b]), limit
+            directions, limits, origin, motion, limit
+        )
+        worst[b, ONCOMING_LANES], first[b, ONCOMING_LANES] = _judge_sides(
+            directions, origin, motion, size[b, 0], size[b, 1], limit[ONCOMING_LANES]
         )
 
 
@@ -150,3 +158,41 @@ def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-
             if over_first < 0 and excess > limit[OVER_LIMIT]:
                 over_first = t
     return longest, wrong_first, over, over_first
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _leads_against(directions, agreeing, column, row):  # type: ignore[no-untyped-def]
+    """Whether there are lanes at a column and row, and all lead elsewhere than the sectors `agreeing`."""
+    j, i = int(column + _HALF), int(row + _HALF)
+    if i < 0 or j < 0 or i >= directions.shape[0] or j >= directions.shape[1]:
+        return False
+    lanes = directions[i, j]
+    return lanes != 0 and lanes & agreeing == 0
+
+
+@njit(cache=True, error_model="numpy")
+def _judge_sides(directions, origin, motion, length, width, limit):  # type: ignore[no-untyped-def]
+    """(longest time with a front corner on lanes that lead against the vehicle [s], the first step beyond `limit` or -1)."""
+    position, heading, direction, velocity, valid = motion
+    ahead = length * np.float32(0.5 * _PER_METRE)
+    aside = max(width * _HALF - np.float32(OVER_THE_LINE), np.float32(0.0)) * _PER_METRE
+    longest, first, looks = _NEVER, -1, 0
+    for t in range(0, valid.shape[0], STRIDE):
+        if not valid[t]:
+            looks = 0
+            continue
+        on = velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1] > WRONG_WAY_SPEED**2
+        if on:
+            agreeing = _AGREEING[int(np.floor(heading[t] * _SECTORS_PER_RADIAN)) % SECTORS]
+            cos, sin = direction[t, 0], direction[t, 1]
+            column = _cell(position[t, 0], origin[0]) + ahead * cos
+            row = _cell(position[t, 1], origin[1]) + ahead * sin
+            on = _leads_against(directions, agreeing, column - aside * sin, row + aside * cos) or _leads_against(
+                directions, agreeing, column + aside * sin, row - aside * cos
+            )
+        looks = looks + STRIDE if on else 0
+        lasting = np.float32(looks * DT)
+        longest = max(longest, lasting)
+        if first < 0 and lasting > limit:
+            first = t
+    return longest, first
