@@ -18,7 +18,6 @@ from tests.scenes import (
     drive,
     joined,
     noisy_samples,
-    road_map,
     scenario,
     stack,
     straight_road,
@@ -27,7 +26,6 @@ from tests.scenes import (
 ROAD = straight_road()
 LINE = ROAD.centreline[0].astype(np.float64)
 STEPS = 101
-WIDTH = 1.9
 
 
 def judge(roads, *motions, limits=LIMITS, signals=None):
@@ -152,26 +150,6 @@ def test_driving_against_the_lane_is_wrong_after_a_second_and_overtaking_at_once
     swerve = np.float32(LANE_WIDTH) * ((np.arange(STEPS) > 40) & (np.arange(STEPS) < 45))
     brief = replace(there, position=there.position + np.stack([0 * swerve, swerve], axis=1))
     assert not judge(roads, brief)[0][0] & Violation.WRONG_WAY
-
-
-@pytest.mark.parametrize("hand", [1, -1])
-@pytest.mark.parametrize(("over", "wrong"), [(-0.5, False), (0.2, False), (0.9, True), (1.5, True)])
-def test_who_keeps_a_corner_over_the_centre_line_is_on_the_oncoming_lanes(hand: int, over: float, wrong: bool):
-    """In right-hand traffic (1) those who come are to the left, in left-hand traffic (-1) to the right."""
-    roads = road_map([LINE, beside(reversed_line(LINE), -hand * LANE_WIDTH)])
-    across = LANE_WIDTH / 2 + over - WIDTH / 2
-    late = drive(LINE, 20, 8, STEPS)
-    late.position[50:, 1] += np.float32(hand * across)
-    assert bool(severity(roads, "oncoming_lanes", late) > LIMITS.oncoming_lanes) is wrong
-    assert first_of(roads, "oncoming_lanes", late) == (pytest.approx(55, abs=2) if wrong else -1)
-    assert bool(judge(roads, late)[0][0] & Violation.WRONG_WAY) is wrong
-
-
-def test_a_line_between_lanes_of_one_way_may_be_driven_on_and_who_stands_over_the_centre_line_does_not_drive():
-    along = drive(beside(LINE, LANE_WIDTH / 2), 20, 8, STEPS)
-    assert severity(straight_road(300, 2), "oncoming_lanes", along) == 0
-    still = drive(beside(LINE, LANE_WIDTH / 2), 20, 0.9, STEPS)
-    assert severity(two_way_road(), "oncoming_lanes", still) == 0
 
 
 def test_inside_a_junction_every_direction_is_right():
