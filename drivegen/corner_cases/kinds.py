@@ -9,7 +9,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from drivegen.core.geometry import wrap_angle
+from drivegen.core.geometry import arc_length, distinct, line_heading, project, wrap_angle
 from drivegen.core.roadmap import NO_LANE
 from drivegen.core.scenario import TARGET
 from drivegen.corner_cases.case import Case
@@ -83,6 +83,8 @@ def kind_of(case: Case) -> Kind:
         return Kind.STANDING
     if met.opposed:
         return Kind.ONCOMING_TURN if met.did in _TURNS else Kind.OWN_TURN if met.own in _TURNS else Kind.ONCOMING
+    if met.did in _TURNS and met.own not in _TURNS and (aside := _beside(case)) is not None:
+        return Kind.REAR if aside < LANE_WIDTH / 2 and case.kind == CollisionKind.FRONT else Kind.CUT_IN
     if met.direction == Direction.SAME:
         return _same_way(met, case)
     if met.own in _TURNS:
@@ -107,6 +109,22 @@ def _same_way(met: Meeting, case: Case) -> Kind:
     if other + own < WANDER:
         return Kind.BESIDE
     return Kind.CUT_IN if other >= own else Kind.OWN_SHIFT
+
+
+def _beside(case: Case) -> float | None:
+    """[m] how far beside the target's way the other drove along it before, None if it drove elsewhere.
+
+    Who follows a bend turns with it, and who changes lanes slowly turns by as much as one who comes from another road.
+    """
+    before, other = max(case.step - LOOK_BACK, 0), case.other[0]
+    own = case.traffic[TARGET]
+    way = distinct(own.position[own.valid].astype(np.float64))
+    if len(way) < 2 or not other.valid[before]:
+        return None
+    along, offset = project(way, other.position[before].astype(np.float64))
+    heading = line_heading(way)[np.searchsorted(arc_length(way), along, side="right") - 1]
+    turned = abs(float(wrap_angle(np.asarray(other.heading[before] - heading))))
+    return abs(offset) if turned < ALONG and abs(offset) < 1.5 * LANE_WIDTH else None
 
 
 def _sideways(case: Case) -> tuple[float, float]:

@@ -7,8 +7,9 @@ import pytest
 
 from drivegen.core.scenario import Actors
 from drivegen.corner_cases.avoidance import Avoidance
+from drivegen.corner_cases.encounters import Behaviour
 from drivegen.corner_cases.judgement import Judgement
-from drivegen.corner_cases.kinds import Kind, groups, kind_of
+from drivegen.corner_cases.kinds import Kind, groups, kind_of, meeting
 from tests.corner_cases.handmade import LINE, NEXT, collision
 from tests.corner_cases.test_corner_cases_avoidance import shifting
 from tests.scenes import crossing, drive, joined, stack
@@ -44,6 +45,18 @@ def test_who_comes_over_slowly_cuts_in_and_who_stays_beside_does_not():
     pair = (drive(LINE, 20, 12, 101), shifting(NEXT, 20, 12, 2.0, 10.0))
     assert kind_of(collision(stack(list(pair)))) == Kind.CUT_IN
     assert kind_of(collision(stack(list(pair[::-1])))) == Kind.OWN_SHIFT
+
+
+def test_who_swings_over_slowly_from_beside_cuts_in_though_it_turns_as_much_as_who_comes_from_another_road():
+    swing = np.array([[0, NEXT[0, 1]], [60, NEXT[0, 1]], [68, LINE[0, 1]], [200, LINE[0, 1]]])
+    assert kind_of(collision(stack([drive(LINE, 20, 14, 101), drive(swing, 58, 2, 101)]))) == Kind.CUT_IN
+
+
+def test_who_is_run_into_on_a_bend_ahead_is_run_into_from_behind_though_it_turns():
+    case = collision(stack([drive(LEFT, 47.0, 12, 101), drive(LEFT, 80, 2.6, 101)]), roads=CROSSING)
+    met = meeting(case)
+    assert (met.did, met.own) == (Behaviour.TURNING_LEFT, Behaviour.STRAIGHT)
+    assert kind_of(case) == Kind.REAR
 
 
 def test_a_person_is_a_kind_of_its_own():
