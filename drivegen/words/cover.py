@@ -119,7 +119,8 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     if phrase.name == "lights":
         return tokens[end - 1].plural
     if phrase.name == "member":
-        return end == len(tokens) or tokens[end].text not in words("moved")
+        following = tokens[end].text if end < len(tokens) else ""
+        return following in words("doing") if tokens[end - 1].value is not None else following not in words("moved")
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and tokens[end - 2].text in ("road", "street") else None
     if road is not None and (following in ("a", "an", "another") or (road.plural and not last.plural)):

@@ -1,5 +1,6 @@
 """From a scene to a traffic request, and a request said back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,11 +34,15 @@ def parted(scene: Scene) -> tuple[Scene, Scene]:
 
 @dataclass
 class _Group:
-    """A group while it is put together; `asks` is what is said of it, by the names of a request's fields."""
+    """A group while it is put together; `asks` is what is said of it, by the names of a request's fields.
+
+    `is_part`: some of another group, which do something of their own.
+    """
 
     kind: str
     count: int
     asks: dict[str, Any] = field(default_factory=dict)
+    is_part: bool = False
 
 
 def request(scene: Scene) -> TrafficRequest:
@@ -98,17 +103,27 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
             raise Unfit(f"it is not clear who {thing.text!r} are")
         groups[0].asks |= asks
     elif thing.name == "member":
-        source = next((group for group in reversed(groups) if group.count > 1 and not group.asks.get("does")), None)
-        if source is None or (thing.beside is not None and not thing.text.endswith("them")):
-            raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")
+        source = _source(thing, groups, count or 1)
         source.count -= count or 1
-        if source.count < 0:
-            raise Unfit(f"there are not so many as {thing.text!r}")
-        groups.append(_Group(source.kind, count or 1, {**({"place": p} if (p := source.asks.get("place")) else {}), **asks}))
+        place = {"place": source.asks["place"]} if "place" in source.asks else {}
+        groups.append(_Group(source.kind, count or 1, place | asks, is_part=True))
     else:
         groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:
             raise Unfit("ruling out one kind of vehicle cannot be asked for")
+
+
+def _source(thing: Thing, groups: list[_Group], count: int) -> _Group:
+    """The group of which `count` do something of their own: the last that is large enough. Raises Unfit where there is none."""
+    last = thing.text.split()[-1]
+    kinds = [kind for kind in ("car", "truck", "bus") if last in (kind, f"{kind}s", f"{kind}es")]
+    wholes = [group for group in groups if group.count > 1 and not group.is_part and "manoeuvre" not in group.asks]
+    several = [group for group in wholes if not kinds or group.kind in kinds]
+    if not several or (thing.beside is not None and last != "them"):
+        raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")
+    if enough := [group for group in several if group.count >= count]:
+        return enough[-1]
+    raise Unfit(f"there are not so many as {thing.text!r}")
 
 
 def _asks(thing: Thing) -> dict[str, Any]:
@@ -148,16 +163,27 @@ def _built(group: _Group) -> list[Group]:
 def say_request(asked: TrafficRequest) -> list[Sentence]:
     """The sentences that ask for a request."""
     spoken = []
-    for group in asked.groups:
-        are, plural = ("is", "") if group.count == 1 else ("are", "es" if group.kind is Kind.BUS else "s")
+    for group, count in _together(asked.groups):
+        are, plural = ("is", "") if count == 1 else ("are", "es" if group.kind is Kind.BUS else "s")
         place = ("place", group.place) if group.distance is None else (f"far_{group.place}", group.distance)
         facts = (place, ("pace", group.speed), ("does", group.manoeuvre), ("within", group.within))
-        spoken.append(sentence(f"There {are} {group.count} {group.kind}{plural}", ("queue", group.queue or None), *facts))
+        spoken.append(sentence(f"There {are} {count} {group.kind}{plural}", ("queue", group.queue or None), *facts))
     of_target = sentence("There is", ("target_kind", asked.target_kind)), sentence("The target is", ("does", asked.target_does))
     spoken += [said for said in of_target if said.facts]
     if asked.density is not None or asked.speed is not None:
         words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
         spoken.append(sentence(f"There is {words[asked.density]}", ("pace", asked.speed)))
+    return spoken
+
+
+def _together(groups: Sequence[Group]) -> list[tuple[Group, int]]:
+    """Groups and how many vehicles are said of each at once: several that do the same, each a group, are one sentence."""
+    spoken: list[tuple[Group, int]] = []
+    for group in groups:
+        if spoken and group == spoken[-1][0] and group.count == 1 and group.manoeuvre is not None and group.distance is None:
+            spoken[-1] = group, spoken[-1][1] + 1
+        else:
+            spoken.append((group, group.count))
     return spoken
 
 

@@ -283,3 +283,41 @@ def test_the_first_and_the_second_are_those_that_were_counted():
     assert [ramp.position for ramp in ramps] == [250, 800]
     arms = read("a crossing; the last arm has two lanes each way", 7).road.road.arms
     assert [arm.lanes_in for arm in arms] == [1, 1, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("eight cars, two of them turning left", "There are 6 cars. There are 2 cars turning left."),
+        ("eight cars, two turning left", "There are 6 cars. There are 2 cars turning left."),
+        ("six cars, two of them turning left and one of them turning right",
+         "There are 3 cars. There are 2 cars turning left. There is 1 car turning right."),
+        ("six cars and three trucks, two of the cars turning left",
+         "There are 4 cars. There are 3 trucks. There are 2 cars turning left."),
+        ("six cars and three trucks, one of the cars turning left",
+         "There are 5 cars. There are 3 trucks. There is 1 car turning left."),
+        ("three buses and two cars, two of the buses turning left",
+         "There is 1 bus. There are 2 cars. There are 2 buses turning left."),
+        ("ten cars and two trucks, three of them cutting in",
+         "There are 7 cars. There are 2 trucks. There are 3 cars cutting in."),
+        ("six cars, two oncoming", "There are 4 cars. There are 2 cars oncoming."),
+    ],
+)  # fmt: skip
+def test_some_of_those_that_are_named_do_something_of_their_own(text: str, said: str):
+    words = read(text, 7)
+    assert " ".join(words.sentences()) == said
+    assert read(said, 7).traffic == words.traffic
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("four cars, five of them turning left", "there are not so many as 'five of them'"),
+        ("ten cars and two trucks, three of the trucks cutting in", "there are not so many as 'three of the trucks'"),
+        ("three cars, one of the trucks braking hard", "it is not clear who 'one of the trucks' is"),
+        ("ten vehicles, two of them trucks", "I do not read 'two'"),
+        ("six cars and two turning trucks", "I do not read 'turning'"),
+    ],
+)
+def test_some_of_those_that_are_not_there_are_declined(text: str, why: str):
+    assert why in declined(text)
