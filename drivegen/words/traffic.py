@@ -119,7 +119,8 @@ def _source(thing: Thing, groups: list[_Group], count: int) -> _Group:
     kinds = [kind for kind in ("car", "truck", "bus") if last in (kind, f"{kind}s", f"{kind}es")]
     wholes = [group for group in groups if group.count > 1 and not group.is_part and "manoeuvre" not in group.asks]
     several = [group for group in wholes if not kinds or group.kind in kinds]
-    if not several or (thing.beside is not None and last != "them"):
+    other = thing.beside is not None and thing.beside.name != "member" and last != "them"  # "two cars and one turning left"
+    if not several or other:
         raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")
     if enough := [group for group in several if group.count >= count]:
         return enough[-1]

@@ -292,6 +292,8 @@ def test_the_first_and_the_second_are_those_that_were_counted():
         ("eight cars, two turning left", "There are 6 cars. There are 2 cars turning left."),
         ("six cars, two of them turning left and one of them turning right",
          "There are 3 cars. There are 2 cars turning left. There is 1 car turning right."),
+        ("six cars, two turning left and one turning right",
+         "There are 3 cars. There are 2 cars turning left. There is 1 car turning right."),
         ("six cars and three trucks, two of the cars turning left",
          "There are 4 cars. There are 3 trucks. There are 2 cars turning left."),
         ("six cars and three trucks, one of the cars turning left",
@@ -316,6 +318,7 @@ def test_some_of_those_that_are_named_do_something_of_their_own(text: str, said:
         ("ten cars and two trucks, three of the trucks cutting in", "there are not so many as 'three of the trucks'"),
         ("three cars, one of the trucks braking hard", "it is not clear who 'one of the trucks' is"),
         ("ten vehicles, two of them trucks", "I do not read 'two'"),
+        ("two cars and one turning left", "it is not clear"),
         ("six cars and two turning trucks", "I do not read 'turning'"),
     ],
 )
