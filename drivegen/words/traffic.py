@@ -105,8 +105,9 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
     elif thing.name == "member":
         source = _source(thing, groups, count or 1)
         source.count -= count or 1
+        kind = thing.value("as") or source.kind
         place = {"place": source.asks["place"]} if "place" in source.asks else {}
-        groups.append(_Group(source.kind, count or 1, place | asks, is_part=True))
+        groups.append(_Group(kind, count or 1, place | asks, is_part=True))
     else:
         groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:
@@ -115,10 +116,11 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
 
 def _source(thing: Thing, groups: list[_Group], count: int) -> _Group:
     """The group of which `count` do something of their own: the last that is large enough. Raises Unfit where there is none."""
-    last = thing.text.split()[-1]
-    kinds = [kind for kind in ("car", "truck", "bus") if last in (kind, f"{kind}s", f"{kind}es")]
-    wholes = [group for group in groups if group.count > 1 and not group.is_part and "manoeuvre" not in group.asks]
-    several = [group for group in wholes if not kinds or group.kind in kinds]
+    last, becomes = thing.text.split()[-1], thing.value("as")  # "two of the trucks", "two of them trucks"
+    named = [kind for kind in ("car", "truck", "bus") if becomes is None and last in (kind, f"{kind}s", f"{kind}es")]
+    kinds = named or (_KINDS if becomes is None else ("vehicle", becomes))
+    wholes = [group for group in groups if group.count > 1 and (named or not group.is_part) and "manoeuvre" not in group.asks]
+    several = [group for group in wholes if group.kind in kinds]
     other = thing.beside is not None and thing.beside.name != "member" and last != "them"  # "two cars and one turning left"
     if not several or other:
         raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")

@@ -302,6 +302,9 @@ def test_the_first_and_the_second_are_those_that_were_counted():
          "There is 1 bus. There are 2 cars. There are 2 buses turning left."),
         ("ten cars and two trucks, three of them cutting in",
          "There are 7 cars. There are 2 trucks. There are 3 cars cutting in."),
+        ("ten vehicles, two of them trucks and one of them a bus", "There are 7 vehicles. There are 2 trucks. There is 1 bus."),
+        ("ten vehicles, three of them trucks, one of the trucks braking hard",
+         "There are 7 vehicles. There are 2 trucks. There is 1 truck braking hard."),
         ("six cars, two oncoming", "There are 4 cars. There are 2 cars oncoming."),
     ],
 )  # fmt: skip
@@ -317,7 +320,7 @@ def test_some_of_those_that_are_named_do_something_of_their_own(text: str, said:
         ("four cars, five of them turning left", "there are not so many as 'five of them'"),
         ("ten cars and two trucks, three of the trucks cutting in", "there are not so many as 'three of the trucks'"),
         ("three cars, one of the trucks braking hard", "it is not clear who 'one of the trucks' is"),
-        ("ten vehicles, two of them trucks", "I do not read 'two'"),
+        ("ten cars, two of them trucks", "it is not clear who 'two of them trucks' is"),
         ("two cars and one turning left", "it is not clear"),
         ("six cars and two turning trucks", "I do not read 'turning'"),
     ],
