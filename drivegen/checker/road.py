@@ -172,11 +172,14 @@ def _leads_against(directions, agreeing, column, row):  # type: ignore[no-untype
 
 @njit(cache=True, error_model="numpy")
 def _judge_sides(directions, origin, motion, length, width, limit):  # type: ignore[no-untyped-def]
-    """(longest time with a front corner on lanes that lead against the vehicle [s], the first step beyond `limit` or -1)."""
+    """(longest time with a front corner on lanes that lead against the vehicle [s], the first step beyond `limit` or -1).
+
+    Who starts there, between cars that are parked on both sides, is judged once it has left them.
+    """
     position, heading, direction, velocity, valid = motion
     ahead = length * np.float32(0.5 * _PER_METRE)
     aside = max(width * _HALF - np.float32(OVER_THE_LINE), np.float32(0.0)) * _PER_METRE
-    longest, first, looks = _NEVER, -1, 0
+    longest, first, looks, began = _NEVER, -1, 0, False
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
             looks = 0
@@ -190,7 +193,8 @@ def _judge_sides(directions, origin, motion, length, width, limit):  # type: ign
             on = _leads_against(directions, agreeing, column - aside * sin, row + aside * cos) or _leads_against(
                 directions, agreeing, column + aside * sin, row - aside * cos
             )
-        looks = looks + STRIDE if on else 0
+        began |= not on
+        looks = looks + STRIDE if on and began else 0
         lasting = np.float32(looks * DT)
         longest = max(longest, lasting)
         if first < 0 and lasting > limit:

@@ -40,3 +40,13 @@ def test_a_line_between_lanes_of_one_way_may_be_driven_on_and_who_stands_over_th
     assert oncoming(straight_road(300, 2), along) == (0, -1, False)
     still = drive(beside(LINE, LANE_WIDTH / 2), 20, 0.9, STEPS)
     assert oncoming(two_way_road(), still) == (0, -1, False)
+
+
+def test_who_starts_over_the_centre_line_is_judged_once_it_has_left_it():
+    over = drive(beside(LINE, LANE_WIDTH / 2), 20, 8, STEPS)
+    assert oncoming(two_way_road(), over) == (0, -1, False)
+    over.position[30:50, 1] -= np.float32(LANE_WIDTH / 2)
+    seconds, first, illegal = oncoming(two_way_road(), over)
+    assert illegal
+    assert seconds == pytest.approx(5.1, abs=0.2)
+    assert first == pytest.approx(55, abs=2)
