@@ -24,8 +24,8 @@ class Limits:
         overlap_context: the same for a vehicle and a pedestrian, cyclist or motorcyclist [m].
         off_road: distance by which a corner may stay outside the drivable area for three looks in a row (`road.STRIDE`) [m].
         wrong_way: time for which a vehicle may face or move against every lane under it, outside junctions [s].
-        oncoming_lanes: time for which a vehicle that did not start there may have a front corner on lanes that all lead against it
-            (`road.OVER_THE_LINE`), outside junctions [s].
+        oncoming_lanes: time for which a front corner may be on lanes that all lead against the vehicle (`road.OVER_THE_LINE`),
+            outside junctions, once it has not been there [s].
         speed: absolute speed [m/s].
         over_limit: speed above the lane's limit, where it has one [m/s].
         acceleration, braking: along the direction of travel, both positive [m/s2].
