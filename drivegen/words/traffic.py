@@ -97,6 +97,8 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
     vague = thing.name in _KINDS and stem(thing.text.split()[-1]) != thing.text.split()[-1] and count is None
     if count is None and (vague or thing.which == "all"):
         raise Unfit(f"say how many {thing.text}")
+    if count == 0:
+        raise Unfit("ruling out some vehicles cannot be asked for")
     asks = _asks(thing)
     if thing.name == "rest":
         if not groups:
@@ -110,8 +112,6 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
         groups.append(_Group(kind, count or 1, place | asks, is_part=True))
     else:
         groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
-        if count == 0:
-            raise Unfit("ruling out one kind of vehicle cannot be asked for")
 
 
 def _source(thing: Thing, groups: list[_Group], count: int) -> _Group:
@@ -183,7 +183,8 @@ def _together(groups: Sequence[Group]) -> list[tuple[Group, int]]:
     """Groups and how many vehicles are said of each at once: several that do the same, each a group, are one sentence."""
     spoken: list[tuple[Group, int]] = []
     for group in groups:
-        if spoken and group == spoken[-1][0] and group.count == 1 and group.manoeuvre is not None and group.distance is None:
+        alone = group.count == 1 and group.manoeuvre is not None and group.distance is None and not group.queue
+        if alone and spoken and group == spoken[-1][0]:
             spoken[-1] = group, spoken[-1][1] + 1
         else:
             spoken.append((group, group.count))

@@ -322,6 +322,8 @@ def test_some_of_those_that_are_named_do_something_of_their_own(text: str, said:
         ("three cars, one of the trucks braking hard", "it is not clear who 'one of the trucks' is"),
         ("ten cars, two of them trucks", "it is not clear who 'two of them trucks' is"),
         ("two cars and one turning left", "it is not clear"),
+        ("eight cars, zero of them turning left", "ruling out some vehicles cannot be asked for"),
+        ("eight vehicles, 0 of them trucks", "ruling out some vehicles cannot be asked for"),
         ("six cars and two turning trucks", "I do not read 'turning'"),
     ],
 )
