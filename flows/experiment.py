@@ -22,7 +22,7 @@ from flows.bring_up import by_a_sentence, run_stage
 
 def stages_at_once(params: Path) -> int:
     """`run.stages` of the file `params`; each may itself use `run.workers` processes. Raises FlowFailed if it is no count."""
-    stages = workspace.read_yaml(params)["run"].get("stages")
+    stages = (workspace.read_yaml(params).get("run") or {}).get("stages")
     if not isinstance(stages, int) or stages < 1:
         raise FlowFailed(f"{params}: run.stages is {stages!r}: say how many stages run at once, 1 or more")
     return stages

@@ -118,10 +118,9 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return end == len(tokens) or tokens[end].text in _STOPS  # "the side road has one", not "has one turn lane"
     if phrase.name == "lights":
         return tokens[end - 1].plural
-    if phrase.name == "member":
-        following = tokens[end].text if end < len(tokens) else ""
-        return following in words("doing") if tokens[end - 1].value is not None else following not in words("moved")
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
+    if phrase.name == "member":  # a number alone is some of them only where they do something: "two turning left"
+        return following in words("doing") if phrase.slots and last.value is not None else following not in words("moved")
     road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and tokens[end - 2].text in ("road", "street") else None
     if road is not None and (following in ("a", "an", "another") or (road.plural and not last.plural)):
         return False  # "a one-way street crossing another one", "two streets crossing"

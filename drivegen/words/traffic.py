@@ -116,11 +116,12 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
 
 def _source(thing: Thing, groups: list[_Group], count: int) -> _Group:
     """The group of which `count` do something of their own: the last that is large enough. Raises Unfit where there is none."""
-    last, becomes = thing.text.split()[-1], thing.value("as")  # "two of the trucks", "two of them trucks"
-    named = [kind for kind in ("car", "truck", "bus") if becomes is None and last in (kind, f"{kind}s", f"{kind}es")]
-    kinds = named or (_KINDS if becomes is None else ("vehicle", becomes))
-    wholes = [group for group in groups if group.count > 1 and (named or not group.is_part) and "manoeuvre" not in group.asks]
-    several = [group for group in wholes if group.kind in kinds]
+    last = thing.text.split()[-1]
+    becomes: str | None = thing.value("as")  # "two of them trucks"
+    named = "" if becomes else next((kind for kind in ("car", "truck", "bus") if last in (kind, f"{kind}s", f"{kind}es")), "")
+    kinds = ("vehicle", becomes) if becomes else (named,) if named else _KINDS
+    idle = [group for group in groups if group.count > 1 and "manoeuvre" not in group.asks]
+    several = [group for group in idle if group.kind in kinds and (named or not group.is_part)]
     other = thing.beside is not None and thing.beside.name != "member" and last != "them"  # "two cars and one turning left"
     if not several or other:
         raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")

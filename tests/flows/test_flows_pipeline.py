@@ -48,7 +48,7 @@ def test_how_many_stages_run_at_once_is_said_by_a_count(tmp_path: Path, stages: 
     params = tmp_path / "params.yaml"
     params.write_text(yaml.safe_dump({"run": {"stages": 3}}))
     assert stages_at_once(params) == 3
-    params.write_text(yaml.safe_dump({"run": {"stages": stages}}))
+    params.write_text(yaml.safe_dump({} if stages is None else {"run": {"stages": stages}}))
     with pytest.raises(FlowFailed, match=r"params.yaml: run.stages is .*: say how many stages run at once, 1 or more"):
         stages_at_once(params)
 

@@ -305,6 +305,10 @@ def test_the_first_and_the_second_are_those_that_were_counted():
         ("ten vehicles, two of them trucks and one of them a bus", "There are 7 vehicles. There are 2 trucks. There is 1 bus."),
         ("ten vehicles, three of them trucks, one of the trucks braking hard",
          "There are 7 vehicles. There are 2 trucks. There is 1 truck braking hard."),
+        ("four cars of which one cuts in", "There are 3 cars. There is 1 car cutting in."),
+        ("eight cars: two turn left, one turns right",
+         "There are 5 cars. There are 2 cars turning left. There is 1 car turning right."),
+        ("six cars, one brakes hard", "There are 5 cars. There is 1 car braking hard."),
         ("six cars, two oncoming", "There are 4 cars. There are 2 cars oncoming."),
     ],
 )  # fmt: skip
