@@ -121,6 +121,8 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     if phrase.name == "member":  # a number alone is some of them only where they do something: "two turning left"
         return following in words("doing") if phrase.slots and last.value is not None else following not in words("moved")
+    if phrase.name == "bends" and last.text == "turn" and end > 1 and (count := tokens[end - 2].value) is not None:
+        return last.plural == (count != 1)  # "two turns"; in "two turn left, one turns right" it is a verb
     road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and tokens[end - 2].text in ("road", "street") else None
     if road is not None and (following in ("a", "an", "another") or (road.plural and not last.plural)):
         return False  # "a one-way street crossing another one", "two streets crossing"
