@@ -81,7 +81,7 @@ def bent_frames(requests: PlanRequests, bend_x: NDArray[np.float32], bend_y: NDA
     size = np.minimum(size, STEEPEST * length / np.maximum(change, 1e-6)).astype(np.float32)[:, None]
     table, gone = _bent(path, length, start, bend_x * size, bend_y * size)
     window = np.stack([gone - 1.0, gone + 1.0], axis=1)
-    return Frames.on(table, np.arange(len(requests)), requests, window)
+    return Frames.on(table, np.arange(len(requests)), np.zeros(len(requests)), requests, window)
 
 
 def straight_on(count: int, pace: NDArray[np.float32]) -> Residuals:

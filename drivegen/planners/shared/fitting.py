@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import PlanRequests
 from drivegen.planners.shared.motion import ALONG, base_offset, lateral_ends, reach, sideways
-from drivegen.planners.shared.paths import Doubles, Frames, locate
+from drivegen.planners.shared.paths import Doubles, Frames, located
 from drivegen.planners.shared.profile import base_speed, spline
 
 FARTHEST = 6.0
@@ -45,7 +45,7 @@ def encode(frames: Frames, requests: PlanRequests, motion: Trajectories) -> Enco
     scored = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
     ends = lateral_ends(frames)
     rest = _rest(
-        frames.table, frames.row, frames.start, frames.distance, frames.duration, frames.speed, ends,
+        frames.table, frames.row, frames.axle, frames.start, frames.distance, frames.duration, frames.speed, ends,
         motion.position.astype(np.float64), scored,
     )  # fmt: skip
     time, part, along, across, weight, offset = (rest[..., k] for k in range(6))
@@ -76,6 +76,7 @@ def fit_splines(u: Doubles, rest: Doubles, weight: Doubles) -> Doubles:
 def _rest(
     table: Doubles,
     row: NDArray[np.int64],
+    axle: Doubles,
     start: Doubles,
     distance: Doubles,
     duration: Doubles,
@@ -97,7 +98,9 @@ def _rest(
                 base, before = base + (before + now) * DT / 2, now
             if not scored[b, k]:
                 continue
-            reached, d = locate(table[row[b]], position[b, k, 0], position[b, k, 1], s - 2.0, s + 5.0 * (k - last) + 2.0)
+            reached, d = located(
+                table[row[b]], axle[b], position[b, k, 0], position[b, k, 1], s - 2.0, s + 5.0 * (k - last) + 2.0
+            )
             gone = min(max(reached - start[b], 0.0), distance[b])
             level = base_offset(gone, distance[b], ends[b])[0]
             out[b, k, 0], out[b, k, 1], out[b, k, 2] = t / duration[b], gone / distance[b], reached - start[b] - base

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import unit, wrap_angle
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import PlanRequests
-from drivegen.planners.shared.paths import LARGEST_TURN, Doubles, Frames, point_on
+from drivegen.planners.shared.paths import LARGEST_TURN, Doubles, Frames, carried_on
 from drivegen.planners.shared.profile import base_speed
 
 ALONG, ACROSS = 20.0, 2.0
@@ -94,7 +94,7 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
     poses[:, 0, :2], poses[:, 1, :2] = requests.position, requests.goal_position
     poses[:, 0, 2], poses[:, 1, 2] = requests.heading, requests.goal_heading
     columns = (
-        frames.row, frames.start, np.where(requests.parked, 0.0, frames.distance), frames.duration, frames.speed,
+        frames.row, frames.axle, frames.start, np.where(requests.parked, 0.0, frames.distance), frames.duration, frames.speed,
         lateral_ends(frames), poses, np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64),
         requests.goal_step.astype(np.int64), residuals.pace, residuals.offset, residuals.slope,
     )  # fmt: skip
@@ -148,6 +148,7 @@ def _paced(distance: float, duration: float, speed: Doubles, pace: NDArray[np.fl
 def _decoded(
     table: Doubles,
     row: NDArray[np.int64],
+    axle: Doubles,
     start: Doubles,
     distance: Doubles,
     duration: Doubles,
@@ -176,8 +177,8 @@ def _decoded(
                 d, tilt = base_offset(gone[k], distance[b], ends[b])
                 d += (offset[b, i] + (x - i) * (offset[b, i + 1] - offset[b, i])) * size
                 tilt += (slope[b, i] + (x - i) * (slope[b, i + 1] - slope[b, i])) * size / distance[b]
-                px, py, tx, ty, curvature = point_on(table[row[b]], start[b] + gone[k])
-                stretch = max(1 - curvature * d, 0.2)
+                px, py, tx, ty, curvature, moved = carried_on(table[row[b]], start[b] + gone[k], axle[b])
+                stretch = max(moved - curvature * d, 0.2)
                 state[b, k, 0], state[b, k, 1] = px - d * ty, py + d * tx
                 state[b, k, 2] = np.arctan2(ty, tx) + np.arctan(tilt / stretch)
                 state[b, k, 3] = v[k] * np.hypot(stretch, tilt)

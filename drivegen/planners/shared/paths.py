@@ -2,7 +2,8 @@
 
 A path is a table of points 1 m apart, read as a cubic through them with central-difference tangents, so that position
 and heading are continuous. Routes become paths by three passes of the binomial filter 1 4 6 4 1 (about 1.7 m wide):
-centrelines are polygons, and their corners would be felt as jerks. Where no route fits, the path is a cubic Bezier
+centrelines are polygons, and their corners would be felt as jerks. Of a long vehicle the axles keep to the route, so that its
+middle cuts bends: with its middle on the route it would sweep off the road. Where no route fits, the path is a cubic Bezier
 curve from pose to pose.
 """
 
@@ -21,6 +22,12 @@ Doubles = NDArray[np.float64]
 LARGEST_TURN = 1.2
 """Headings at the ends differ from the path's by no more than this [rad] when the offset is shaped."""
 
+LONG = 6.0
+"""A vehicle longer than this [m] has axles; a shorter one keeps to its path with its middle."""
+
+WHEELBASE = 0.8
+"""Distance between the axles, one as far before a vehicle's middle as the other behind, as a part of its length."""
+
 SEARCH = 8.0
 """A request's ends lie on the path within this distance [m] of where it says."""
 
@@ -31,7 +38,7 @@ class Frames:
 
     Attributes:
         table: (R, ROUTE_POINTS, 2) [m] smooth paths: the routes, then one Bezier path per request without a route.
-        row: (B,) int64 the path of each request.
+        row: (B,) int64 the path of each request. axle: (B,) [m] from a vehicle's middle to its axles, see `carried_on`.
         start, distance: (B,) [m] where it begins on its path and how far it goes; 0 for a goal that is not ahead.
         offset: (B, 2) d at start and goal [m]. turn: (B, 2) heading there, relative to the path's [rad].
         curvature: (B, 2) of the path there [1/m]. speed: (B, 2) along the path there [m/s], 0 or more.
@@ -40,6 +47,7 @@ class Frames:
 
     table: Doubles
     row: NDArray[np.int64]
+    axle: Doubles
     start: Doubles
     distance: Doubles
     offset: Doubles
@@ -52,22 +60,23 @@ class Frames:
     def of(cls, requests: PlanRequests) -> "Frames":
         """Frames of all requests."""
         table, row, bezier_length = _table(requests)
-        return cls.on(table, row, requests, _goal_window(requests, bezier_length))
+        has_axles = (requests.size[:, 0] > LONG) & (requests.route >= 0)
+        axle = np.where(has_axles, requests.size[:, 0].astype(np.float64) * WHEELBASE / 2, 0.0)
+        return cls.on(table, row, axle, requests, _goal_window(requests, bezier_length))
 
     @classmethod
-    def on(cls, table: Doubles, row: NDArray[np.int64], requests: PlanRequests, window: Doubles) -> "Frames":
-        """Frames of requests on paths `table` (R, ROUTE_POINTS, 2): `row` (B,), goals between s `window` (B, 2)."""
+    def on(cls, table: Doubles, row: NDArray[np.int64], axle: Doubles, requests: PlanRequests, window: Doubles) -> "Frames":
+        """Frames of requests on paths `table` (R, ROUTE_POINTS, 2): `row`, `axle` (B,), goals between s `window` (B, 2)."""
         poses = [
             np.column_stack([position, heading]).astype(np.float64)
             for position, heading in ((requests.position, requests.heading), (requests.goal_position, requests.goal_heading))
         ]
-        ends = _ends(table, row, poses[0], poses[1], window)
-        s, offset, path_heading, curvature = ends[..., 0], ends[..., 1], ends[..., 2], ends[..., 3]
+        s, offset, path_heading, curvature, pace = np.moveaxis(_ends(table, row, axle, poses[0], poses[1], window), -1, 0)
         turn = np.asarray(wrap_angle(np.stack([poses[0][:, 2], poses[1][:, 2]], axis=1) - path_heading), np.float64)
         speed = np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64)
-        along = np.maximum(speed * np.cos(turn), 0.0) / np.maximum(1 - curvature * offset, 0.2)
+        along = np.maximum(speed * np.cos(turn), 0.0) / np.maximum(pace - curvature * offset, 0.2)
         distance = np.maximum(s[:, 1] - s[:, 0], 0.0)
-        return cls(table, row, s[:, 0], distance, offset, turn, curvature, along, np.maximum(requests.goal_step, 1) * DT)
+        return cls(table, row, axle, s[:, 0], distance, offset, turn, curvature, along, np.maximum(requests.goal_step, 1) * DT)
 
 
 def _table(requests: PlanRequests) -> tuple[Doubles, NDArray[np.int64], Doubles]:
@@ -180,6 +189,25 @@ def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float
 
 
 @njit(cache=True)
+def carried_on(line: Doubles, s: float, axle: float) -> tuple[float, float, float, float, float, float]:
+    """As `point_on`, of the middle of a vehicle with axles on `line`, `axle` [m] before and behind s, and how far it moves by s.
+
+    The tangent is the direction that it heads in. The last number is 1 on a straight line and less in a bend.
+    """
+    if axle == 0:
+        x, y, tx, ty, curvature = point_on(line, s)
+        return x, y, tx, ty, curvature, 1.0
+    ax, ay, a_tx, a_ty, a_curvature = point_on(line, s + axle)
+    bx, by, b_tx, b_ty, b_curvature = point_on(line, s - axle)
+    back = min(s - axle, 0.0)  # a line begins abreast of its vehicle: what it came by is taken for straight
+    bx, by = bx + back * b_tx, by + back * b_ty
+    tx, ty = ax - bx, ay - by
+    length = max(np.hypot(tx, ty), 1e-9)
+    pace = np.hypot(a_tx + b_tx, a_ty + b_ty) / 2
+    return (ax + bx) / 2, (ay + by) / 2, tx / length, ty / length, (a_curvature + b_curvature) / 2, pace
+
+
+@njit(cache=True)
 def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[float, float]:
     """s and d [m] of the point (x, y), searched for between s = low and s = high."""
     first, last = max(int(low), 0), int(high) + 1
@@ -200,15 +228,26 @@ def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[
 
 
 @njit(cache=True)
-def _ends(table: Doubles, row: NDArray[np.int64], start: Doubles, goal: Doubles, window: Doubles) -> Doubles:
-    """(B, 2, 4): s, d, heading and curvature of the path, at the start and at the goal of each request."""
-    out = np.empty((len(row), 2, 4))
+def located(line: Doubles, axle: float, x: float, y: float, low: float, high: float) -> tuple[float, float]:
+    """As `locate`, with d from where `carried_on` has the vehicle."""
+    s, d = locate(line, x, y, low, high)
+    if axle > 0:
+        px, py, tx, ty, _, _ = carried_on(line, s, axle)
+        d = tx * (y - py) - ty * (x - px)
+    return s, d
+
+
+@njit(cache=True)
+def _ends(table: Doubles, row: NDArray[np.int64], axle: Doubles, start: Doubles, goal: Doubles, window: Doubles) -> Doubles:
+    """(B, 2, 5): s, d, heading, curvature and the last of `carried_on`, at the start and at the goal of each request."""
+    out = np.empty((len(row), 2, 5))
     for b in range(len(row)):
         line = table[row[b]]
         for end in range(2):
             pose = start[b] if end == 0 else goal[b]
             low, high = (0.0, SEARCH) if end == 0 else (window[b, 0], window[b, 1])
-            s, d = locate(line, pose[0], pose[1], low, high)
-            _, _, tx, ty, curvature = point_on(line, s)
-            out[b, end, 0], out[b, end, 1], out[b, end, 2], out[b, end, 3] = s, d, np.arctan2(ty, tx), curvature
+            s, d = located(line, axle[b], pose[0], pose[1], low, high)
+            _, _, tx, ty, curvature, pace = carried_on(line, s, axle[b])
+            out[b, end, 0], out[b, end, 1], out[b, end, 2] = s, d, np.arctan2(ty, tx)
+            out[b, end, 3], out[b, end, 4] = curvature, pace
     return out
