@@ -19,7 +19,7 @@ from drivegen.planners.shared.motion import GRID, decode
 from drivegen.planners.shared.profile import spline
 from tests.planners.test_planners_contract import without_routes
 from tests.planners.test_planners_route_fm import assert_meets_goals, backward
-from tests.planners.tiny import examples, tiny
+from tests.planners.tiny import calm, examples, tiny
 
 LOGS = examples()
 MOVING = LOGS[~LOGS.requests.parked]
@@ -38,9 +38,9 @@ def decoded(requests: PlanRequests, found: Bent) -> Trajectories:
     return decode(bent_frames(requests, x, y), requests, straight_on(len(requests), pace), 101)
 
 
-def error(motion: Trajectories) -> float:
+def error(motion: Trajectories, log: Trajectories) -> float:
     """Mean distance to the logs at seen steps [m]."""
-    return float(np.hypot(*np.moveaxis(motion.position - MOVING.motion.position, -1, 0))[MOVING.motion.valid].mean())
+    return float(np.hypot(*np.moveaxis(motion.position - log.position, -1, 0))[log.valid].mean())
 
 
 def test_goals_are_met_exactly_and_routes_make_no_difference(planner: Planner) -> None:
@@ -69,11 +69,13 @@ def test_bends_twice_as_wild_as_learnt_neither_miss_the_goal_nor_drive_backward(
 
 
 def test_the_log_comes_back_from_its_own_bends_and_not_from_the_bezier_curve() -> None:
-    found = encode(MOVING.requests, MOVING.motion)
+    slow = examples(speed=(2.5, 4.5))
+    calmly = calm(slow[~slow.requests.parked])
+    found = encode(calmly.requests, calmly.motion)
     assert found.usable.all()
     none = replace(found, bend_x=0 * found.bend_x, bend_y=0 * found.bend_y)
-    assert error(decoded(MOVING.requests, found)) < 0.15
-    assert error(decoded(MOVING.requests, none)) > 0.3
+    assert error(decoded(calmly.requests, found), calmly.motion) < 0.15
+    assert error(decoded(calmly.requests, none), calmly.motion) > 0.3
 
 
 def turned(scene: Scenario, requests: PlanRequests, angle: float, shift: np.ndarray) -> tuple[Scenario, PlanRequests]:

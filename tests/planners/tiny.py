@@ -5,7 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from drivegen.core import plugins
+from drivegen.core.scenario import DT
 from drivegen.planners.base import Examples, Planner
+from drivegen.planners.shared.easing import HARD
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
 from stages._door import build, read_section
@@ -36,12 +38,12 @@ def tiny(name: str) -> Planner:
     return planner
 
 
-def examples(count: int = 3, seed: int = 0) -> Examples:
-    """Tracks through a crossing, some braking, one parked, one seen for nine tenths of the time."""
+def examples(count: int = 3, seed: int = 0, speed: tuple[float, float] = (4.0, 12.0)) -> Examples:
+    """Tracks through a crossing, at first with a `speed` between two [m/s]: some brake, one is parked, one ends early."""
     random, roads, scenes = np.random.default_rng(seed), crossing(), []
     for number in range(count):
         motions = [
-            drive(joined(roads, *way), random.uniform(2, 50), random.uniform(4, 12), 101, random.choice([0.0, -1.0, 0.3]))
+            drive(joined(roads, *way), random.uniform(2, 50), random.uniform(*speed), 101, random.choice([0.0, -1.0, 0.3]))
             for way in WAYS
         ]
         motions.append(drive(joined(roads, 3), 20, 0.0, 101))
@@ -49,3 +51,11 @@ def examples(count: int = 3, seed: int = 0) -> Examples:
         scenes.append(scenario(roads, stack(motions), f"scene-{number}"))
     graph = LaneGraph.of(roads)
     return examples_from_logs(scenes, [graph] * count, 0.8, 7)
+
+
+def calm(logs: Examples) -> Examples:
+    """Those that take no bend faster than planners do, so that what is planned can be what they did."""
+    heading = np.unwrap(np.where(logs.motion.valid, logs.motion.heading, 0.0), axis=1)
+    across = logs.motion.speed[:, 5:-5] * np.abs(heading[:, 10:] - heading[:, :-10]) / (10 * DT)
+    within = logs.motion.valid[:, :-10] & logs.motion.valid[:, 10:]
+    return logs[(across * within).max(axis=1) < 0.9 * HARD]

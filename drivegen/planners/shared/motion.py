@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import unit, wrap_angle
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import PlanRequests
+from drivegen.planners.shared.easing import ease
 from drivegen.planners.shared.paths import LARGEST_TURN, Doubles, Frames, carried_on
 from drivegen.planners.shared.profile import base_speed
 
@@ -170,6 +171,7 @@ def _decoded(
         if distance[b] > 0:
             v, gone = np.empty(last + 1), np.empty(last + 1)
             _paced(distance[b], duration[b], speed[b], pace[b], v, gone)
+            ease(table[row[b]], start[b], axle[b], distance[b], v, gone)
             size = sideways(distance[b])
             for k in range(min(last + 1, steps)):
                 x = gone[k] / distance[b] * (GRID - 1)

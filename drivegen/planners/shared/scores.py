@@ -45,9 +45,9 @@ def score(
     `ade_best` and `ade_mean` [m] are the best and the mean of a track's samples over its seen steps, `goal_error` [m] is
     the mean distance to the goal at its step, `miss_rate` the share of tracks with no sample within MISSED of it.
     `acceleration` [m/s2] and `jerk` [m/s3] are root mean squares along the track, `.._distance` the Wasserstein-1 distances
-    of their distributions to the log's. Verdicts are shares of trajectories. Names with `log.` and `base.` before them are
-    the log's own figures and those of the exact base without any residual, which needs no training; those with `hidden.` are
-    the planner's errors when it is told of no route and of nothing on it.
+    of their distributions to the log's. Verdicts are shares of trajectories, up to the goal. Names with `log.` and `base.` before
+    them are the log's own figures and those of the exact base without any residual, which needs no training; those with
+    `hidden.` are the planner's errors when it is told of no route and of nothing on it.
     """
     if len(tracks) == 0:
         return {"scored_tracks": 0}
@@ -64,7 +64,8 @@ def score(
     }
     for prefix, (wanted, motion) in planned.items():
         mine = _smoothness(motion, log) | ({} if motion is log else _errors(wanted, motion, log))
-        mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, motion).items()}
+        judged = replace(motion, valid=motion.valid & (np.arange(log.steps) <= wanted.goal_step[:, None]))
+        mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, judged).items()}
         figures |= {prefix + name: value for name, value in mine.items()}
     unrouted = _errors(requests, sample(examples.scenarios, without_routes(requests)), log)
     figures |= {f"hidden.{name}": unrouted[name] for name in ("ade_best", "ade_mean")}
