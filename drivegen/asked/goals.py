@@ -40,6 +40,9 @@ PAST = 8.0
 ROUND = np.deg2rad(60)
 """Who has turned heads so far [rad] from where it began, so that the goal is not in the middle of the turn."""
 
+OUT_OF_BEND = np.deg2rad(20)
+"""Who is out of a bend has less of it [rad] along the half of its own length behind its middle."""
+
 ACROSS = 2.0
 """Who has turned across a way is so far [m] beyond its line."""
 
@@ -148,12 +151,13 @@ def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, 
 def _turning(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, hastily: bool) -> NDArray[np.bool_]:
     """(C,) goals beyond the turn, on routes whose lights are green as the vehicle gets there; those across the target's way."""
     own, vehicle = candidates[duty.vehicle], duty.vehicle
+    length = float(scenario.vehicles.size[vehicle, 0])
     side = -1.0 if duty.manoeuvre is Manoeuvre.TURN_RIGHT else 1.0
     turned = side * wrap_angle(own.heading - scenario.vehicles.heading[vehicle]) > ROUND
     green = [
         number for number, route in enumerate(own.routes) if _green(scenario, route, float(scenario.vehicles.speed[vehicle]))
     ]
-    fits = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own))
+    fits = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own, length))
     if duty.manoeuvre is not Manoeuvre.TURN_LEFT_ACROSS:
         return np.asarray(fits)
     way = keeping(candidates[TARGET])
@@ -163,12 +167,14 @@ def _turning(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, h
     return np.asarray(fits & (-np.sign(begins) * to_frenet(way, own.position)[:, 1] > ACROSS))
 
 
-def _calm(own: Candidates) -> NDArray[np.bool_]:
-    """(C,) goals that leave time for the sharpest bend on the way."""
+def _calm(own: Candidates, length: float) -> NDArray[np.bool_]:
+    """(C,) goals of who is `length` [m] long that leave time for the sharpest bend on the way, and lie behind it."""
     calm = np.zeros(len(own), np.bool_)
     for i in np.flatnonzero(own.route != NO_ROUTE).tolist():
-        bend = np.abs(np.diff(own.routes[int(own.route[i])].heading[: int(own.s[i] / SPACING) + 2])) / SPACING
-        calm[i] = own.s[i] / (own.step[i] * DT) <= PACE * np.sqrt(CALM / max(float(bend.max(initial=0.0)), 1e-3))
+        way = own.routes[int(own.route[i])].heading[: int(own.s[i] / SPACING) + 2]
+        bend = np.abs(np.diff(way)) / SPACING
+        in_time = own.s[i] / (own.step[i] * DT) <= PACE * np.sqrt(CALM / max(float(bend.max(initial=0.0)), 1e-3))
+        calm[i] = in_time and abs(way[-1] - way[-1 - min(int(length / 2 / SPACING) + 1, len(way) - 1)]) < OUT_OF_BEND
     return calm
 
 
