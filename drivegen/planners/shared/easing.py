@@ -26,8 +26,8 @@ _HALVINGS, _FITTINGS, _EXACT = 8, 3, 0.02
 def ease(line: Doubles, start: float, axle: float, way: float, v: Doubles, gone: Doubles) -> None:
     """Change speeds `v` and ways `gone` (steps + 1,) along `line` from `start` on, for bends that would be taken too fast.
 
-    Both ends stay: what is lost in the bend is made up where it drives anyway. Where that takes more than twice the speed
-    nothing changes, and who begins or ends too fast in a bend is too fast there.
+    Both ends stay: what is lost in the bend is made up where it drives anyway. Where that takes more than three times
+    the speed nothing changes, and who begins or ends too fast in a bend is too fast there.
     """
     if not _swings(line, start, axle, v, gone):
         return

@@ -26,7 +26,10 @@ LONG = 6.0
 """A vehicle longer than this [m] has axles; a shorter one keeps to its path with its middle."""
 
 WHEELBASE = 0.8
-"""Distance between the axles, one as far before a vehicle's middle as the other behind, as a part of its length."""
+"""Distance between the axles, one as far before a vehicle's middle as the other behind, as a part of its length.
+
+More than of real ones, some 0.6: rear wheels cut in behind the front ones, as SUMO's logs do (`LOG.md`, long vehicles).
+"""
 
 SEARCH = 8.0
 """A request's ends lie on the path within this distance [m] of where it says."""
