@@ -161,7 +161,8 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
             raise Unfit("ramps are on the outer side of the road" if ramp else "a lane ends or begins on one side")
         road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1}
         road |= {"side": sides.pop()} if sides else {}  # a specification has the outer side where none is said
-        road |= {"ramp_speed": facts.value("speed", "ramp_speed") or usual, "keeps": facts.value("keeps")}
+        road |= {"ramp_speed": facts.value("speed", "ramp_speed") or usual} if ramp else {}
+        road |= {"keeps": facts.value("keeps")}
         placed.append({**road, "length": length if ramp else None})
         end = here + (length if ramp else 0.0)
     return placed, end + (_LEAST_LAST if everywhere else _LAST * share)

@@ -202,8 +202,8 @@ def _event(event: HighwayEvent) -> list[FieldValue]:
     ramp = event.kind in ("on_ramp", "off_ramp", "weaving")
     nose = event.position + (event.length if event.kind == "off_ramp" else 0.0)
     own = ("auxiliary", event.length) if ramp else ("side", event.side)
-    lanes, keeps = ("event_lanes", event.lanes), ("keeps", event.keeps or None)
-    return [("position", round(nose, 6)), lanes, own, ("ramp_speed", event.ramp_speed), keeps]
+    limit = ("ramp_speed", event.ramp_speed if ramp else None)
+    return [("position", round(nose, 6)), ("event_lanes", event.lanes), own, limit, ("keeps", event.keeps or None)]
 
 
 def _fork(road: Fork) -> list[Sentence]:

@@ -128,11 +128,11 @@ def highways(draw):
 
 @st.composite
 def happenings(draw, kind, position):
-    found = {"kind": kind, "position": position, "ramp_speed": draw(speeds)}
+    found = {"kind": kind, "position": position}
     if kind in ("lane_drop", "lane_gain"):
         return found | {"side": draw(st.sampled_from(("left", "right")))}
     keeps = {"keeps": draw(st.booleans())} if kind != "weaving" else {}
-    return found | {"length": float(draw(st.integers(60, 300))), "lanes": draw(st.integers(1, 2)), **keeps}
+    return found | {"ramp_speed": draw(speeds), "length": float(draw(st.integers(60, 300))), "lanes": draw(st.integers(1, 2)), **keeps}
 
 
 @st.composite

@@ -59,9 +59,14 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
     assert after == before.model_copy(update={"ramp_speed": 40 * KMH})
 
 
+def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
+    assert not any("ramp" in sentence for sentence in read("a motorway with a lane drop", 7).sentences())
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
+        ("a crossing, two cars from the left, one from the right", "whether 'one' is one of the 2"),
         ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
         ("a crossing with a car, and we go left", "'go'"),
         ("a road with a bus ahead and a truck behind, both braking hard", "of which 'braking hard'"),
