@@ -9,12 +9,12 @@ from enum import StrEnum
 
 import numpy as np
 
-from drivegen.core.geometry import arc_length, distinct, line_heading, project, wrap_angle
+from drivegen.core.geometry import Floats, arc_length, distinct, line_heading, project, wrap_angle
 from drivegen.core.roadmap import NO_LANE
-from drivegen.core.scenario import TARGET
+from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.cue import WANDER
-from drivegen.corner_cases.encounters import AGAINST, ALONG, LOOK_BACK, Behaviour, Direction, encounters
+from drivegen.corner_cases.encounters import AGAINST, ALONG, LOOK_BACK, TURNED, Behaviour, Direction, encounters
 from drivegen.roads.graph import LaneGraph
 from drivegen.world.outcome import CollisionKind
 
@@ -82,7 +82,7 @@ def kind_of(case: Case) -> Kind:
     if met.did == Behaviour.STANDING:
         return Kind.STANDING
     if met.opposed:
-        return Kind.ONCOMING_TURN if met.did in _TURNS else Kind.OWN_TURN if met.own in _TURNS else Kind.ONCOMING
+        return _against(case)
     if met.did in _TURNS and met.own not in _TURNS and (aside := _beside(case)) is not None:
         return Kind.REAR if aside < LANE_WIDTH / 2 and case.kind == CollisionKind.FRONT else Kind.CUT_IN
     if met.direction == Direction.SAME:
@@ -94,6 +94,25 @@ def kind_of(case: Case) -> Kind:
     if met.direction == Direction.OPPOSITE:
         return Kind.ONCOMING
     return Kind.CROSSING_LEFT if met.direction == Direction.FROM_LEFT else Kind.CROSSING_RIGHT
+
+
+def _against(case: Case) -> Kind:
+    """Who has only begun to turn when it is hit turns all the same: its way after the collision says so."""
+    other, own, since = case.other[0], case.traffic[TARGET], max(case.step - LOOK_BACK, 0)
+    after = int(np.flatnonzero(other.valid[: case.step + LOOK_BACK + 1])[-1])
+    if _turns_from(other, since, case.step, own):
+        return Kind.ONCOMING_TURN
+    if _turns_from(case.driven, since, case.step, other):
+        return Kind.OWN_TURN
+    return Kind.ONCOMING_TURN if _turns_from(other, since, after, own) else Kind.ONCOMING
+
+
+def _turns_from(mover: Trajectories, since: int, step: int, opposite: Trajectories) -> bool:
+    """Whether the mover turns between two steps, and not as one does who follows a bend that the other way follows, too."""
+    turned = abs(float(wrap_angle(np.asarray(mover.heading[step] - mover.heading[since]))))
+    beside = _alongside(opposite, mover.position[step])
+    across = 0.0 if beside is None else float(wrap_angle(np.asarray(mover.heading[step] - beside[1] + np.pi)))
+    return turned > TURNED and (beside is None or abs(across) > TURNED)
 
 
 def _same_way(met: Meeting, case: Case) -> Kind:
@@ -117,14 +136,20 @@ def _beside(case: Case) -> float | None:
     Who follows a bend turns with it, and who changes lanes slowly turns by as much as one who comes from another road.
     """
     before, other = max(case.step - LOOK_BACK, 0), case.other[0]
-    own = case.traffic[TARGET]
-    way = distinct(own.position[own.valid].astype(np.float64))
-    if len(way) < 2 or not other.valid[before]:
+    if not other.valid[before] or (beside := _alongside(case.traffic[TARGET], other.position[before])) is None:
         return None
-    along, offset = project(way, other.position[before].astype(np.float64))
-    heading = line_heading(way)[np.searchsorted(arc_length(way), along, side="right") - 1]
+    offset, heading = beside
     turned = abs(float(wrap_angle(np.asarray(other.heading[before] - heading))))
     return abs(offset) if turned < ALONG and abs(offset) < 1.5 * LANE_WIDTH else None
+
+
+def _alongside(mover: Trajectories, place: Floats) -> tuple[float, float] | None:
+    """How far left of a mover's way (T,) a place (2,) lies [m], and where that way leads there [rad]; None of who stands."""
+    way = distinct(mover.position[mover.valid].astype(np.float64))
+    if len(way) < 2:
+        return None
+    along, offset = project(way, place.astype(np.float64))
+    return offset, float(line_heading(way)[np.searchsorted(arc_length(way), along, side="right") - 1])
 
 
 def _sideways(case: Case) -> tuple[float, float]:

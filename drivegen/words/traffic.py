@@ -106,7 +106,7 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
         groups[0].asks |= asks
     elif thing.name == "member":
         source = _source(thing, groups, count or 1)
-        if any(source.asks.get(name, value) != value for name, value in asks.items()):  # "two cars from the left, one from the right"
+        if any(source.asks.get(name, value) != value for name, value in asks.items()):  # "two from the left, one from the right"
             raise Unfit(f"it is not clear whether {thing.text!r} is one of the {source.count} that are named before, or more")
         source.count -= count or 1
         kind = thing.value("as") or source.kind

@@ -52,6 +52,29 @@ def test_who_swings_over_slowly_from_beside_cuts_in_though_it_turns_as_much_as_w
     assert kind_of(collision(stack([drive(LINE, 20, 14, 101), drive(swing, 58, 2, 101)]))) == Kind.CUT_IN
 
 
+def arc(radius: float, turn: float) -> np.ndarray:
+    """A way (P, 2) [m] of a point every degree: a bend to the left by `turn` degrees about the origin."""
+    angle = np.radians(np.arange(turn + 1))
+    return radius * np.stack([np.cos(angle), np.sin(angle)], -1)
+
+
+def test_who_has_only_begun_its_turn_when_it_is_hit_turns_all_the_same():
+    before, bend = np.array([[200.0, LINE[0, 1] + 2.6]]), arc(20, 90)[:, ::-1] * [-1, 1] + [110, LINE[0, 1] + 2.6 - 20]
+    case = collision(stack([drive(LINE, 20, 14, 101), drive(np.concatenate([before, bend]), 45, 8, 101)]))
+    met = meeting(case)
+    assert met.opposed
+    assert (met.did, met.own) == (Behaviour.STRAIGHT, Behaviour.STRAIGHT)
+    assert kind_of(case) == Kind.ONCOMING_TURN
+
+
+def test_who_comes_towards_it_round_a_bend_and_follows_it_is_oncoming():
+    case = collision(stack([drive(arc(130, 90), 5, 12, 101), drive(arc(131, 90)[::-1], 90, 8, 101)]))
+    way = case.other[0]
+    assert meeting(case).opposed
+    assert abs(way.heading[case.step + 30] - way.heading[case.step - 30]) > np.radians(20)
+    assert kind_of(case) == Kind.ONCOMING
+
+
 def test_who_is_run_into_on_a_bend_ahead_is_run_into_from_behind_though_it_turns():
     case = collision(stack([drive(LEFT, 47.0, 12, 101), drive(LEFT, 80, 2.6, 101)]), roads=CROSSING)
     met = meeting(case)

@@ -132,7 +132,8 @@ def happenings(draw, kind, position):
     if kind in ("lane_drop", "lane_gain"):
         return found | {"side": draw(st.sampled_from(("left", "right")))}
     keeps = {"keeps": draw(st.booleans())} if kind != "weaving" else {}
-    return found | {"ramp_speed": draw(speeds), "length": float(draw(st.integers(60, 300))), "lanes": draw(st.integers(1, 2)), **keeps}
+    found |= {"ramp_speed": draw(speeds), "length": float(draw(st.integers(60, 300)))}
+    return found | {"lanes": draw(st.integers(1, 2)), **keeps}
 
 
 @st.composite
