@@ -67,6 +67,9 @@ def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
     ("text", "why"),
     [
         ("a crossing, two cars from the left, one from the right", "whether 'one' is one of the 2"),
+        ("a crossing with signals, a car and a bus at the traffic light", "what 'at the traffic light' belongs to"),
+        ("a motorway, a car and a bus at 80 km/h", "what 'at 80 kmh' belongs to"),
+        ("a motorway, a car behind and a truck in front, both at 80 km/h", "of which 'at 80 kmh'"),
         ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
         ("a crossing with a car, and we go left", "'go'"),
         ("a road with a bus ahead and a truck behind, both braking hard", "of which 'braking hard'"),
