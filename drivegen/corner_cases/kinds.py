@@ -1,6 +1,7 @@
 """Kinds of corner cases: named by how the other came to be where the target ran into it, and who of the two turned or shifted.
 
-Relative headings and what each did are those of `encounters`, over the last 3 s before the collision.
+Relative headings and what each did are those of `encounters`, over the last 3 s before the collision; whether one that came
+towards the target turns, its way up to 3 s after it tells, too.
 """
 
 from collections.abc import Sequence
@@ -97,7 +98,7 @@ def kind_of(case: Case) -> Kind:
 
 
 def _against(case: Case) -> Kind:
-    """Who has only begun to turn when it is hit turns all the same: its way after the collision says so."""
+    """Of two that came towards one another. Who has only begun to turn when it is hit turns: its way afterwards says so."""
     other, own, since = case.other[0], case.traffic[TARGET], max(case.step - LOOK_BACK, 0)
     after = int(np.flatnonzero(other.valid[: case.step + LOOK_BACK + 1])[-1])
     if _turns_from(other, since, case.step, own):
@@ -110,9 +111,9 @@ def _against(case: Case) -> Kind:
 def _turns_from(mover: Trajectories, since: int, step: int, opposite: Trajectories) -> bool:
     """Whether the mover turns between two steps, and not as one does who follows a bend that the other way follows, too."""
     turned = abs(float(wrap_angle(np.asarray(mover.heading[step] - mover.heading[since]))))
-    beside = _alongside(opposite, mover.position[step])
-    across = 0.0 if beside is None else float(wrap_angle(np.asarray(mover.heading[step] - beside[1] + np.pi)))
-    return turned > TURNED and (beside is None or abs(across) > TURNED)
+    if turned <= TURNED or (beside := _alongside(opposite, mover.position[step])) is None:
+        return turned > TURNED
+    return abs(float(wrap_angle(np.asarray(mover.heading[step] - beside[1] + np.pi)))) > TURNED
 
 
 def _same_way(met: Meeting, case: Case) -> Kind:

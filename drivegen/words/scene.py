@@ -23,7 +23,9 @@ WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interc
 _BEHIND = ("after", "past", "beyond", "behind")
 _PLACES = ("position", "gap", "middle")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
-_SEEN = ("does", "pace", "at_light", *_PLACED)
+_SAID_OF_EACH = ("does", "pace", "at_light", *_PLACED)
+"""Behind "a car and a bus" these may be said of both."""
+
 _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _LISTED = (",", "and", ".", "")
 """Marks between vehicles that are named one after another; behind others they may be some of those before."""
@@ -260,12 +262,12 @@ class Walk:
         """Raises Unfit for what "all" or "each" behind several things, or "and", may say of more than their last one."""
         one = self.subject if self.subject is not None and self.subject.name.endswith("ramp") else holder
         many = one.beside is None and (one.several or stem(one.text) != one.text)
-        if self.det in ALL and self.sentence and self.sentence[-1].name in MOVING and holder.name not in MOVING:
-            raise Unfit(f"it is not clear of which {fact.text!r} is said")  # "a car and a truck, both at 50 km/h"
-        if self.det in ALL and one.name not in _TOGETHER and fact.name not in ("around", "row", "arms") and not many:
+        few = one.name not in _TOGETHER and fact.name not in ("around", "row", "arms") and not many
+        roads = bool(self.sentence) and self.sentence[-1].name in MOVING and holder.name not in MOVING
+        if self.det in ALL and (few or roads):  # "a car and a truck, both at 50 km/h"
             raise Unfit(f"it is not clear of which {fact.text!r} is said")
         other = holder.beside
-        if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
+        if other is not None and other.name in MOVING and not other.has(*_SAID_OF_EACH) and fact.name in _SAID_OF_EACH:
             raise Unfit(f"it is not clear whether {fact.text!r} is said of {other.text!r}, too")
 
     def _check_owner(self, i: int, fact: Fact) -> None:

@@ -106,8 +106,9 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
         groups[0].asks |= asks
     elif thing.name == "member":
         source = _source(thing, groups, count or 1)
-        if any(source.asks.get(name, value) != value for name, value in asks.items()):  # "two from the left, one from the right"
-            raise Unfit(f"it is not clear whether {thing.text!r} is one of the {source.count} that are named before, or more")
+        others = any(source.asks.get(name, value) != value for name, value in asks.items())
+        if others and "of" not in thing.text.split():  # "two cars from the left, one from the right"
+            raise Unfit(f"it is not clear whether {thing.text!r} is among the {source.count} that are named before")
         source.count -= count or 1
         kind = thing.value("as") or source.kind
         place = {"place": source.asks["place"]} if "place" in source.asks else {}

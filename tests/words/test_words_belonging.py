@@ -289,6 +289,8 @@ def test_the_first_and_the_second_are_those_that_were_counted():
     ("text", "said"),
     [
         ("eight cars, two of them turning left", "There are 6 cars. There are 2 cars turning left."),
+        ("ten cars driving at 50 km/h, two of them driving at 30 km/h",
+         "There are 8 cars driving at 50 km/h. There are 2 cars driving at 30 km/h."),
         ("eight cars, two turning left", "There are 6 cars. There are 2 cars turning left."),
         ("six cars, two of them turning left and one of them turning right",
          "There are 3 cars. There are 2 cars turning left. There is 1 car turning right."),

@@ -66,7 +66,7 @@ def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("a crossing, two cars from the left, one from the right", "whether 'one' is one of the 2"),
+        ("a crossing, two cars from the left, one from the right", "whether 'one' is among the 2"),
         ("a crossing with signals, a car and a bus at the traffic light", "what 'at the traffic light' belongs to"),
         ("a motorway, a car and a bus at 80 km/h", "what 'at 80 kmh' belongs to"),
         ("a motorway, a car behind and a truck in front, both at 80 km/h", "of which 'at 80 kmh'"),
