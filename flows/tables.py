@@ -59,6 +59,7 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     """
     root = ROOMS / room.name
     times = Times.of(root)
+    times.keep(root)
     workspace.renew(Path(), root, room.params)
     note_code(Path(), root)
     if like := nearest(room, done):

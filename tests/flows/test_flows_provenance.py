@@ -75,6 +75,34 @@ def test_times_stay_of_a_run_that_is_stopped(tmp_path: Path, monkeypatch: pytest
     assert file.read_text() == "an hour"
 
 
+def test_times_stay_of_a_run_that_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is put back by who is killed while the stages run, or come back from the cache."""
+    monkeypatch.chdir(toy.build_tables(tmp_path))
+    room = Room("toy/7-7", {}, ("evaluate",))
+
+    def run(_plan: object, _stages: object, root: Path) -> dict[str, Mock]:
+        pipeline.reproduce("ingest", lambda _: None, root)
+        return {}
+
+    monkeypatch.setattr(tables, "submit", run)
+    monkeypatch.setattr(tables, "get_run_logger", logging.getLogger)
+    tables._bring_up(room, [])
+    file = cost(ROOMS / room.name, "ingest", "an hour")  # as the stage itself would leave it
+    with monkeypatch.context() as killed:
+        killed.setattr(Times, "put_back", lambda _times, _root: None)
+        tables._bring_up(room, [])
+        assert not file.exists()
+        tables._bring_up(room, [])
+    tables._bring_up(room, [])
+    assert file.read_text() == "an hour"
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b"{", b'{"a": 1}', b'{"a": ["!", "b"]}', b"\xff"])
+def test_damaged_times_are_none(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "room.costs.json").write_bytes(content)
+    assert Times.of(tmp_path / "room") == Times({})
+
+
 def test_a_run_knows_its_commit_and_whether_what_makes_runs_differs_from_it(tmp_path: Path) -> None:
     source = tmp_path / "source"
     source.mkdir()
