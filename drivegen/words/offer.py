@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, combinations, islice, takewhile, zip_longest
+from itertools import chain, combinations, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
+from drivegen.words.scene import DONE_TO_TARGET, PLACED
 from drivegen.words.table import WORD, table, words
 from drivegen.words.things import Unfit
 from drivegen.words.tokens import Token, tokenise
@@ -78,18 +79,52 @@ def _clear(items: Sequence[Item]) -> list[Item]:
         number = item.raw[:1].isdigit() or item.text == "#"
         if item.phrase.kind == "cannot" or (item.unread and (number or item.text in words("turning"))):
             gone |= {i - 1} if i and item.unread and items[i - 1].phrase.kind == "fact" else set()
+            gone |= set() if item.unread else set(takewhile(lambda j: _describes(items[j]), range(i - 1, -1, -1)))
             gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
     return [item for i, item in enumerate(items) if i not in gone and not item.unread]
 
 
 def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
-    """As it is, with lanes counted otherwise, with a street where no road is named; with one or two items less."""
-    spoken = [item for item in items if item.phrase is not WORD]
+    """As it is, with lanes counted otherwise, with a street where no road is named; with one or two items less, fewest first."""
+    spoken = [i for i, item in enumerate(items) if item.phrase is not WORD]
     front = Item(_STREET, (), -1, -1, "road", "road")
-    sets = (left_out for number in range(3) for left_out in combinations(spoken[::-1], number))
-    for left_out in islice(sets if spoken else (), _TRIES // _COVERS):
-        kept = [item for item in items if item not in left_out]
+    less = (_gone(items, left_out) for number in range(3) for left_out in combinations(spoken[::-1], number))
+    for gone in sorted((gone for gone in less if not gone.issuperset(spoken)), key=len)[: _TRIES // _COVERS]:
+        kept = [item for i, item in enumerate(items) if i not in gone]
         yield [kept, _counted(kept), [front, *_counted(kept)], _with_lights(kept)]
+
+
+def _gone(items: Sequence[Item], left_out: Sequence[int]) -> set[int]:
+    """Items that are left out by their places, and what would then be said of another noun than the one that is."""
+    gone = set(left_out)
+    for i in left_out:
+        if _is_noun(items, i):
+            gone |= {j for j in takewhile(lambda j: _leads(items[j]), range(i - 1, -1, -1)) if items[j].phrase is not WORD}
+            gone |= {j for j in takewhile(lambda j: _follows(items[j]), range(i + 1, len(items))) if items[j].phrase is not WORD}
+    return gone
+
+
+def _is_noun(items: Sequence[Item], i: int) -> bool:
+    """Whether the item i is a noun, or a number that stands for one: "and one turns left"."""
+    behind = next((item.phrase.kind for item in items[i + 1 :] if item.phrase.kind != "fact"), "")
+    return items[i].phrase.kind == "thing" or (items[i].phrase.name == "count" and behind != "thing")
+
+
+def _leads(item: Item) -> bool:
+    """Whether an item right before a noun is said of it, or of somebody as seen from it: "behind a truck"."""
+    if item.phrase is WORD:
+        return item.text in words("determiners")
+    seen = item.phrase.name in PLACED or item.phrase.value in DONE_TO_TARGET
+    return item.phrase.kind == "fact" and (seen or item.phrase.place == "pre")
+
+
+def _describes(item: Item) -> bool:
+    """Whether an item right before what cannot be drawn may be said of it: "a 300 m long tunnel"."""
+    return item.phrase.kind == "fact" or (item.phrase is WORD and item.text in words("determiners"))
+
+
+def _follows(item: Item) -> bool:
+    return item.phrase.kind == "fact" or (item.phrase is WORD and item.text not in (",", ".", "(", ":"))
 
 
 def _with_lights(items: Sequence[Item]) -> list[Item]:

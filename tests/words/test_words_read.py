@@ -182,6 +182,14 @@ def test_a_road_may_have_a_side_road_on_one_side(text, sides):
         ("a railway crossing with barriers on a road", ("road",), ("60 km/h", "2 lanes")),
         ("a six-lane highway", ("3 lanes in each direction",), ("6 lanes",)),
         ("a street with four lanes", ("2 lanes in each direction",), ("4 lanes",)),
+        ("a crossing with lights, two cars go straight and one turns left", ("2 cars",), ("turning",)),  # one of them would
+        ("eight cars, zero of them turning left", ("8 cars",), ("turning",)),
+        ("five cars on a motorway, the second one brakes hard", ("5 cars",), ("braking",)),
+        ("a motorway, a car behind a truck", ("1 car", "1 truck"), ("behind",)),
+        ("a road with eight cars, one of them overtakes a truck", ("7 cars", "1 truck"), ("overtaking",)),
+        ("two crossings in a row, the middle one has lights", ("2 crossings",), ("lights",)),
+        ("a road with a 300 m long tunnel and two left-turn lanes", ("road",), ("300",)),
+        ("two left-turn lanes", ("crossing", "left-turn lanes"), ()),  # of nothing that is named: an example that has some
     ],
 )
 def test_an_offer_holds_what_was_read_and_nothing_that_was_not(text, has, lacks):
