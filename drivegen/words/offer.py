@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, combinations, takewhile, zip_longest
+from itertools import chain, combinations, islice, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
@@ -38,7 +38,9 @@ EXAMPLES = (
 )
 """One description of each kind of road, and of traffic; all of them are read."""
 
-_TRIES, _COVERS = 160, 4
+_TRIES, _COVERS, _LOOKED_AT = 160, 4, 2000
+"""Variants that are tried, covers that they are of, and ways to leave something out of each of which those are the nearest."""
+
 _STREET, _CROSSING = (next(p for p in table("roads") if p.name == name and not p.facts) for name in ("street", "crossing"))
 _LIGHTS = next(phrase for phrase in table("roads") if phrase.name == "control" and phrase.value == "signals")
 _EACH = next(phrase for phrase in table("roads") if phrase.name == "lanes_each")
@@ -88,7 +90,8 @@ def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
     """As it is, with lanes counted otherwise, with a street where no road is named; with one or two items less, fewest first."""
     spoken = [i for i, item in enumerate(items) if item.phrase is not WORD]
     front = Item(_STREET, (), -1, -1, "road", "road")
-    less = (_gone(items, left_out) for number in range(3) for left_out in combinations(spoken[::-1], number))
+    sets = chain.from_iterable(combinations(spoken[::-1], number) for number in range(3))
+    less = (_gone(items, left_out) for left_out in islice(sets, _LOOKED_AT))
     for gone in sorted((gone for gone in less if not gone.issuperset(spoken)), key=len)[: _TRIES // _COVERS]:
         kept = [item for i, item in enumerate(items) if i not in gone]
         yield [kept, _counted(kept), [front, *_counted(kept)], _with_lights(kept)]
