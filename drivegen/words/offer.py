@@ -8,7 +8,6 @@ from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
-from drivegen.words.scene import DONE_TO_TARGET, PLACED
 from drivegen.words.table import WORD, table, words
 from drivegen.words.things import Unfit
 from drivegen.words.tokens import Token, tokenise
@@ -81,7 +80,7 @@ def _clear(items: Sequence[Item]) -> list[Item]:
         number = item.raw[:1].isdigit() or item.text == "#"
         if item.phrase.kind == "cannot" or (item.unread and (number or item.text in words("turning"))):
             gone |= {i - 1} if i and item.unread and items[i - 1].phrase.kind == "fact" else set()
-            gone |= set() if item.unread else set(takewhile(lambda j: _describes(items[j]), range(i - 1, -1, -1)))
+            gone |= set() if item.unread else set(takewhile(lambda j: _leads(items[j]), range(i - 1, -1, -1)))
             gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
     return [item for i, item in enumerate(items) if i not in gone and not item.unread]
 
@@ -114,15 +113,7 @@ def _is_noun(items: Sequence[Item], i: int) -> bool:
 
 
 def _leads(item: Item) -> bool:
-    """Whether an item right before a noun is said of it, or of somebody as seen from it: "behind a truck"."""
-    if item.phrase is WORD:
-        return item.text in words("determiners")
-    seen = item.phrase.name in PLACED or item.phrase.value in DONE_TO_TARGET
-    return item.phrase.kind == "fact" and (seen or item.phrase.place == "pre")
-
-
-def _describes(item: Item) -> bool:
-    """Whether an item right before what cannot be drawn may be said of it: "a 300 m long tunnel"."""
+    """Whether an item right before a noun is said of it, or of somebody as seen from it: "a 300 m long tunnel"."""
     return item.phrase.kind == "fact" or (item.phrase is WORD and item.text in words("determiners"))
 
 

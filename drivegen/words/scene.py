@@ -22,11 +22,11 @@ WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interc
 
 _BEHIND = ("after", "past", "beyond", "behind")
 _PLACES = ("position", "gap", "middle")
-PLACED = ("place", *(f"far_{relation}" for relation in Relation))
-_SAID_OF_EACH = ("does", "pace", "at_light", *PLACED)
+_PLACED = ("place", *(f"far_{relation}" for relation in Relation))
+_SAID_OF_EACH = ("does", "pace", "at_light", *_PLACED)
 """Behind "a car and a bus" these may be said of both."""
 
-DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
+_DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _LISTED = (",", "and", ".", "")
 """Marks between vehicles that are named one after another; behind others they may be some of those before."""
 
@@ -238,14 +238,14 @@ class Walk:
         if self.mark in ("at", "for") and fact.name == "length" and not nothing:
             raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
         led = bool(self.det) or self.mark in words("prepositions")
-        led = led or (phrase.place == "" and (fact.value not in DONE_TO_TARGET or bool(self.pending)))
+        led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or bool(self.pending)))
         if phrase.place == "pre" or (led and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False
             return
         self._nothing_pending()
         self._check_owner(i, fact)
-        if fact.name in PLACED or fact.value in DONE_TO_TARGET:
+        if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
             raise Unfit(f"what is said {fact.text!r} {self.items[i + 1].raw!r} cannot be drawn apart")
