@@ -49,21 +49,25 @@ def first_frame(request: TrafficRequest, start: AskedStart, densities: dict[str,
         away = np.hypot(*(vehicles.position - vehicles.position[TARGET]).T)
         got = bool((away <= radius + 1.0).sum() >= CROWD * len(start.cast))
         items.append(Item("density", f"{request.density.value}: {len(start.cast)} vehicles within {radius:g} m", got))
+    if request.target_speed is not None:
+        got = _near(float(vehicles.speed[TARGET]), request.target_speed)
+        items.append(Item("speed", f"the target at {request.target_speed * 3.6:.0f} km/h", got))
     if request.speed is not None:
-        free = np.array(
-            [i for i, n in enumerate(start.number) if start.cast.group[n] < 0 or _plain(request.groups[start.cast.group[n]])]
-        )
-        items.append(
-            Item("speed", f"about {request.speed * 3.6:.0f} km/h", _near(float(vehicles.speed[free].mean()), request.speed))
-        )
+        free = np.array([i for i, n in enumerate(start.number) if _free(request, int(n), start.cast.group[n])], int)
+        got = len(free) > 0 and _near(float(vehicles.speed[free].mean()), request.speed)
+        items.append(Item("speed", f"about {request.speed * 3.6:.0f} km/h", got))
     routes = [keeping_routes(c) for c in start.free.candidates]
     for number, group in enumerate(request.groups):
         items += _of_group(start, number, group, routes)
     return items
 
 
-def _plain(group: Group) -> bool:
-    return group.manoeuvre is None and group.speed is None and not group.queue
+def _free(request: TrafficRequest, number: int, group: int) -> bool:
+    """Whether the asked vehicle `number` drives as everybody does."""
+    if number == TARGET:
+        return request.target_speed is None
+    asked = request.groups[group] if group >= 0 else Group()
+    return asked.manoeuvre is None and asked.speed is None and not asked.queue
 
 
 def _numbers(request: TrafficRequest, start: AskedStart) -> list[Item]:

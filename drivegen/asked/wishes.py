@@ -155,8 +155,8 @@ def _approach(request: TrafficRequest) -> float | None:
     """The target's speed [m/s]: as asked, or one from which it can well stop behind what stands ahead, or turn."""
     still = [group for group in request.groups if group.manoeuvre is Manoeuvre.STOPPED or group.speed == 0]
     standing = [group for group in still if group.place in (None, Relation.AHEAD)]
-    if request.speed is not None:
-        return request.speed
+    if (speed := request.speed if request.target_speed is None else request.target_speed) is not None:
+        return speed
     if not standing:
         return TURNING if request.target_does in _TURNS else None
     nearest = min(group.distance or FARTHEST / 2 for group in standing)

@@ -22,7 +22,7 @@ _MOST = 60
 _COUNTED = stems("way lane arm leg armed legged road street")
 """Words behind a number that is part of an adjective: "two one-way streets"."""
 
-_BEFORE_NUMBERS = ("queue", "size", "skew", "undivided", "arterial")
+_BEFORE_NUMBERS = ("queue", "place", "size", "skew", "undivided", "arterial")
 _ORDINALS = stems(" ".join((*ORDINALS, "last", "final")))
 _STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
 
@@ -131,7 +131,8 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     counted = end + 1 < len(tokens) and tokens[end].value is not None
     counts = counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED
     before_noun = following not in _STOPS and (not counted or counts or phrase.name in _BEFORE_NUMBERS)
-    return not last.plural and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
+    noun = last.plural and phrase.name != "place"  # in "the ego follows two cars" it is a verb
+    return not noun and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
 
 
 def _few(covers: list[Cover]) -> list[Cover]:

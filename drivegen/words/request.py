@@ -91,13 +91,14 @@ class Group(_Part):
 class TrafficRequest(_Part):
     """Traffic around one target vehicle; `speed` [m/s] is about what everybody drives at the first frame.
 
-    `target_kind`, `target_does`: of the target itself.
+    `target_kind`, `target_speed` [m/s], `target_does`: of the target itself.
     """
 
     groups: Annotated[tuple[Group, ...], Field(max_length=20)] = ()
     density: Density | None = None
     speed: Annotated[float, Field(ge=0, le=60)] | None = None
     target_kind: Kind | None = None
+    target_speed: Annotated[float, Field(ge=0, le=60)] | None = None
     target_does: Manoeuvre | None = None
 
     @model_validator(mode="after")

@@ -19,13 +19,11 @@ _KNOWN = stems("the its this that these those")
 _NEAREST = _KNOWN - {"the"}
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
-
 _BEHIND = ("after", "past", "beyond", "behind")
 _PLACES = ("position", "gap", "middle")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
 _SAID_OF_EACH = ("does", "pace", "at_light", *_PLACED)
 """Behind "a car and a bus" these may be said of both."""
-
 _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _LISTED = (",", "and", ".", "")
 """Marks between vehicles that are named one after another; behind others they may be some of those before."""
@@ -245,6 +243,7 @@ class Walk:
             return
         self._nothing_pending()
         self._check_owner(i, fact)
+        self._check_doer(i, fact)
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
@@ -288,13 +287,22 @@ class Walk:
         if fact.name == "spacing" and i and self.items[i - 1].phrase.name == "grid_size" and fact.text.startswith("block"):
             raise Unfit("say the number of crossings and how far apart they are, or the number of blocks alone")
         side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"
-        if side_roads or (self.mark == "including" and fact.name in _TURN_LANES):
+        vehicles = fact.name == "branch_lanes" and "lane" not in fact.text and self.scene.there(*MOVING)  # "one left, one right"
+        if side_roads or vehicles or (self.mark == "including" and fact.name in _TURN_LANES):
             raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")
         if self.det in ("my", "our") and fact.name in ("speed", "pace") and not _is_limit(fact):
-            raise Unfit("a speed of the target alone cannot be asked for")
+            raise Unfit("a speed of the target is said so: the target is driving at 50 km/h")
         first = self.subject is not None and self.subject.name in _ROADS[1:] and not self.comma and self.mark != "and"
         if first and fact.value in _GIVES_WAY and not _SIDE_ROADS & set(fact.text.split()):
             raise Unfit(f"say by main and side road where {fact.text!r} is")
+
+    def _check_doer(self, i: int, fact: Fact) -> None:
+        """Raises Unfit where the target or another one may do it: "we follow a bus and turn left", "a car, driving straight"."""
+        led = any(item.phrase.name == "place" and item.phrase.place == "pre" for item in self.items[:i])
+        way = fact.text.startswith("turn") or (i and self.items[i - 1].text == "driving")
+        unclear = (led and fact.name in _SAID_OF_EACH) or (way and fact.name in ("straight", "turn_to"))
+        if unclear and self.subject and self.subject.name in MOVING and (self.comma or self.mark == "and"):
+            raise Unfit(f"it is not clear of whom {fact.text!r} is said")
 
     def _last_noun(self) -> str:
         """The last word of what was named last."""

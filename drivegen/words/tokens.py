@@ -26,6 +26,8 @@ _UNITS = (
     (r"\bseconds\b|\bsecs?\b", "second"),
 )  # fmt: skip
 _SPELLING = (
+    (r"-+>", " to "),
+    (r"^(?:a )?cut[- ]in (?=from the (?:left|right)\b)", "a vehicle cutting in "),
     (r"\b(\w+?)i[sz](ed|ation)\b", r"\1is\2"),
     (r"\bcentre", "center"),
     (r"\b(north|south)(east|west)", r"\1 \2"),

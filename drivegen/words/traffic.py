@@ -55,7 +55,7 @@ def request(scene: Scene) -> TrafficRequest:
             _note(fields, "density", thing.value("density"))
             _note(fields, "speed", thing.value("pace", "speed"))
         elif thing.name == "target":
-            _target(thing, len(scene.things) == 1, fields)
+            _target(thing, fields)
         else:
             _group(thing, groups)
     _note(fields, "target_kind", scene.whole.value("target_kind"))
@@ -76,12 +76,11 @@ def request(scene: Scene) -> TrafficRequest:
         raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
 
 
-def _target(thing: Thing, alone: bool, fields: dict[str, Any]) -> None:
-    """What the target does; its speed is that of the traffic where nobody else is named."""
-    if thing.has("within") or (thing.has("pace", "speed") and not alone):
-        raise Unfit("no time and no speed can be said of the target alone")
+def _target(thing: Thing, fields: dict[str, Any]) -> None:
+    if thing.has("within"):
+        raise Unfit("no time can be said of the target")
     _note(fields, "target_does", thing.value("does"))
-    _note(fields, "speed", thing.value("pace", "speed"))
+    _note(fields, "target_speed", thing.value("pace", "speed"))
 
 
 def _note(fields: dict[str, Any], name: str, value: Any) -> None:
@@ -176,7 +175,8 @@ def say_request(asked: TrafficRequest) -> list[Sentence]:
         facts = (place, ("pace", group.speed), ("does", group.manoeuvre), ("within", group.within))
         spoken.append(sentence(f"There {are} {count} {group.kind}{plural}", ("queue", group.queue or None), *facts))
     of_target = sentence("There is", ("target_kind", asked.target_kind)), sentence("The target is", ("does", asked.target_does))
-    spoken += [said for said in of_target if said.facts]
+    at_speed = sentence("The target is", ("pace", asked.target_speed))
+    spoken += [said for said in (*of_target, at_speed) if said.facts]
     if asked.density is not None or asked.speed is not None:
         words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
         spoken.append(sentence(f"There is {words[asked.density]}", ("pace", asked.speed)))

@@ -56,6 +56,14 @@ def test_everybody_stands_as_asked_and_what_was_got_is_told(initialiser, tools):
     assert np.allclose(vehicles.speed, 50 / 3.6, rtol=0.2)
 
 
+def test_the_target_begins_at_the_speed_that_is_said_of_it(initialiser, tools):
+    request, made = begun(initialiser, tools, "the target is driving at 30 km/h, a car ahead, traffic at 50 km/h")
+    items = {item.what: item.got for item in first_frame(request, made, SETTINGS.densities) if item.kind == "speed"}
+    assert items == {"the target at 30 km/h": True, "about 50 km/h": True}
+    assert made.scenario.vehicles.speed[0] == pytest.approx(30 / 3.6, rel=0.05)
+    assert made.scenario.vehicles.speed[1] > 40 / 3.6
+
+
 def told(initialiser, tools, words, present=None):
     request, made = begun(initialiser, tools, words)
     seen = made if present is None else made.only(np.array(present))

@@ -221,5 +221,6 @@ def requests(draw):
         density=density,
         speed=draw(speeds) if draw(st.booleans()) else None,
         target_kind=draw(st.one_of(st.none(), st.sampled_from((Kind.CAR, Kind.TRUCK, Kind.BUS)))),
+        target_speed=draw(speeds) if draw(st.booleans()) else None,
         target_does=draw(st.one_of(st.none(), does)),
     )

@@ -1,0 +1,56 @@
+"""Traffic as engineers type it, beside the plain sentence that means the same."""
+
+import pytest
+
+from drivegen.words.read import read
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("two cars follow the ego", "There are 2 cars behind the target vehicle."),
+        ("a truck following us", "There is 1 truck behind the target vehicle."),
+        ("we follow a delivery truck", "There is 1 truck ahead of the target vehicle."),
+        ("the ego follows two cars", "There are 2 cars ahead of the target vehicle."),
+        ("the ego is behind a city bus", "There is 1 bus ahead of the target vehicle."),
+        ("a van comes from the left", "There is 1 car coming from the left of the target vehicle."),
+        ("a car that approaches from the right", "There is 1 car coming from the right of the target vehicle."),
+        ("a car next to us on the left", "There is 1 car on the left of the target vehicle."),
+        ("a truck in the adjacent right lane", "There is 1 truck on the right of the target vehicle."),
+        ("cut-in from the left", "There is 1 vehicle coming from the left of the target vehicle cutting in."),
+        ("somebody overtakes us", "There is 1 vehicle overtaking the target."),
+        ("four cars, two ahead, two behind", "There are 2 cars ahead. There are 2 cars behind."),
+        (
+            "preceding vehicle 40 m ahead doing 60 km/h, ego at 80 km/h",
+            "There is 1 vehicle 40 m ahead driving at 60 km/h. The target is driving at 80 km/h.",
+        ),
+    ],
+)
+def test_what_engineers_type_is_what_is_said_plainly(text, plain):
+    words, same = read(text, 7), read(plain, 7)
+    assert words.road is None
+    assert words.traffic == same.traffic
+
+
+def test_the_targets_speed_is_not_the_traffics():
+    traffic = read("ego at 110 km/h, traffic at 90 km/h", 7).traffic
+    assert (traffic.target_speed, traffic.speed) == (pytest.approx(110 / 3.6), pytest.approx(90 / 3.6))
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("3 -> 2 lane drop on a motorway", "3 to 2 lane drop on a motorway"),
+        (
+            "a motorway fork: four lanes into two and two",
+            "a motorway fork of four lanes, two lanes to the left and two to the right",
+        ),
+        ("a road with two car lanes in each direction", "a road with two lanes in each direction"),
+        (
+            "a crossroads with three lanes per direction east-west and two lanes per direction north-south",
+            "a crossing, the east-west road has three lanes per direction, the north-south road has two lanes per direction",
+        ),
+    ],
+)
+def test_short_forms_of_roads_are_read(text, plain):
+    assert read(text, 7, "same").road == read(plain, 7, "same").road
