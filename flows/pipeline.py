@@ -101,12 +101,12 @@ def _status(repo: Repo) -> Any:
     raise FlowFailed(f"{_IN_USE}: {busy}")
 
 
-def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force: bool = False) -> bool:
+def reproduce(stage: str, say: Callable[[str], None], root: Path = Path()) -> bool:
     """Run `dvc repro --single-item STAGE`, hand each line of output to `say`; True if it ran, False if DVC skipped it.
 
     Raises StageFailed when it ends with an error, and where another run has its files in use and goes on having them.
     """
-    command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", *(["--force"] if force else []), stage]
+    command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", stage]
     for _ in range(_TRIES):
         code, lines = _run(command, root, say)
         text = "\n".join(lines)

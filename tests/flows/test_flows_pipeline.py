@@ -71,10 +71,11 @@ def test_a_stage_whose_files_are_held_waits_for_them(root):
     (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "sleep 2; cat data/maps"))
     for stage in ("ingest", "maps"):
         pipeline.reproduce(stage, lambda _: None)
+    (root / "params.yaml").write_text(toy.PARAMS.replace("seed: 7", "seed: 8"))  # `ingest` depends on it
     holder = threading.Thread(target=pipeline.reproduce, args=("place", lambda _: None))
     holder.start()
     lines: list[str] = []
-    assert pipeline.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
+    assert pipeline.reproduce("ingest", lines.append)  # it rewrites what `place` reads
     holder.join()
 
 
