@@ -67,6 +67,14 @@ def test_a_failed_stage_says_its_own_last_words(root):
         pipeline.reproduce("ingest", lambda _: None)
 
 
+def test_a_stage_that_calls_something_busy_as_it_fails_is_not_run_again(root, monkeypatch):
+    monkeypatch.setattr(pipeline, "_TRIES", 2)
+    (root / "dvc.yaml").write_text(toy.DVC.replace("echo logs >", "echo once >> ran; echo 'the road is busy' && false >"))
+    with pytest.raises(pipeline.StageFailed, match="stage ingest failed: the road is busy"):
+        pipeline.reproduce("ingest", lambda _: None)
+    assert (root / "ran").read_text() == "once\n"
+
+
 def test_a_stage_whose_files_are_held_waits_for_them(root):
     (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "sleep 2; cat data/maps"))
     for stage in ("ingest", "maps"):
