@@ -133,7 +133,7 @@ def checkout(paths: list[str], root: Path) -> None:
     """Put tracked files of dvc.lock back from the cache. Raises StageFailed if the cache lacks them."""
     done = subprocess.run(
         [sys.executable, "-m", "dvc", "checkout", "--quiet", *paths],
-        cwd=root, env=_environment(), capture_output=True, text=True, timeout=600, check=False,
+        cwd=root, env=_environment(), capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode:
         raise StageFailed(f"cannot bring back {', '.join(paths)}: run `make run` first ({_reason(done.stderr.splitlines())})")
@@ -142,7 +142,7 @@ def checkout(paths: list[str], root: Path) -> None:
 def restore(root: Path) -> None:
     """Put back whatever dvc.lock names and the cache has: what changed is then made again from there, the rest stands."""
     command = [sys.executable, "-m", "dvc", "checkout", "--quiet", "--force", "--allow-missing"]
-    subprocess.run(command, cwd=root, env=_environment(), capture_output=True, timeout=600, check=False)
+    subprocess.run(command, cwd=root, env=_environment(), capture_output=True, check=False)
 
 
 def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> None:

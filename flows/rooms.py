@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flows import FlowFailed
 from flows.workspace import read_yaml
 
 ROOMS = Path(".drivegen/tables")
@@ -50,9 +51,19 @@ class Room:
     measured: tuple[str, ...]
 
 
-def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
-    """The runs of a part, by the `values` of params.yaml and the folder of real recordings."""
-    publish = _opened(values["tables"])[part]
+def rooms(part: str, values: dict[str, Any], real: Path) -> list[Room]:
+    """The runs of a part, by the `values` of params.yaml and the folder of real recordings.
+
+    Raises FlowFailed, before any of them is run, where something that they need is not said, or in another way.
+    """
+    try:
+        return list(_rooms(part, _opened(values["tables"])[part], real))
+    except (KeyError, TypeError, AttributeError) as error:
+        fault = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        raise FlowFailed(f"tables.{part} of params.yaml, or the file named there, can't be used: {fault}") from None
+
+
+def _rooms(part: str, publish: dict[str, Any], real: Path) -> Iterator[Room]:
     if part == MAPS:
         folder = str(real) if real.is_dir() else ""
         yield Room("pieces", {name: placed(value, folder) for name, value in publish["params"].items()}, OF_PIECES)

@@ -101,11 +101,13 @@ def override(root: Path, params: Mapping[str, Any]) -> None:
 
 
 def read_yaml(file: Path) -> dict[str, Any]:
-    """The names and values of a YAML file. Raises FlowFailed where it is none."""
+    """The names and values of a YAML file. Raises FlowFailed where it is none, or holds no names."""
     try:
-        values: dict[str, Any] = yaml.safe_load(file.read_text())
+        values: Any = yaml.safe_load(file.read_text())
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise FlowFailed(f"{file} is not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(values, dict):
+        raise FlowFailed(f"{file} holds no names with values")
     return values
 
 
@@ -120,13 +122,16 @@ def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, 
     result = copy.deepcopy(dict(values))
     for name, value in over.items():
         *sections, last = name.split(".")
+        unknown = FlowFailed(f"the parameters have no {name!r} to replace")
         place: Any = result
         free = False
         for word in sections:
-            place = place.setdefault(word, {}) if free else place[word]
+            place = place.setdefault(word, {}) if free else place.get(word)
+            if not isinstance(place, dict):
+                raise unknown
             free |= LIKE in place
         if last not in place and not free:
-            raise FlowFailed(f"the parameters have no {name!r} to replace")
+            raise unknown
         place[last] = value
     return result
 

@@ -140,8 +140,9 @@ def test_overrides_replace_values_and_refuse_unknown_names():
     over = {"run.seed": 8, "rounds": [3]}
     assert workspace.overridden(values, over) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
     assert values["run"]["seed"] == 7
-    with pytest.raises(FlowFailed, match=r"run\.speed"):
-        workspace.overridden(values, {"run.speed": 1})
+    for unknown in ("run.speed", "run.speeds.car", "run.seed.first", "walk.seed"):
+        with pytest.raises(FlowFailed, match=f"^the parameters have no '{unknown}' to replace$"):
+            workspace.overridden(values, {unknown: 1})
 
 
 def test_what_is_like_another_section_may_be_told_more_than_stands_there():

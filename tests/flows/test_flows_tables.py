@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from drivegen.core.settings import read_section
+from flows import FlowFailed
 from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
 from flows.tables import nearest
 from flows.workspace import CHECKPOINTS, PARAMS, overridden, renew
@@ -59,6 +60,16 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
     assert [room.name for room in rooms("quality", TABLES, tmp_path)] == [
         "corpus/7-7", "corpus/7-17", "corpus/8-7", "corpus/8-17", "corpus/t0.5",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PUBLISH)
+def test_what_tables_lack_is_said_before_any_run(name: str, tmp_path: Path) -> None:
+    without = {other: value for other, value in PUBLISH.items() if other != name}
+    for section, fault in ((without, f"'{name}' is missing"), ({**PUBLISH, name: None}, "'NoneType' object")):
+        with pytest.raises(FlowFailed, match=rf"^tables.quality of params.yaml, or the file named there, .*: {fault}"):
+            rooms("quality", {"tables": {"quality": section}}, tmp_path)
+    with pytest.raises(FlowFailed, match="'tables' is missing"):
+        rooms("quality", {}, tmp_path)
 
 
 @pytest.mark.parametrize("part", PARTS)
