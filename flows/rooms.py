@@ -77,6 +77,13 @@ def _rooms(part: str, publish: dict[str, Any], real: Path) -> Iterator[Room]:
         yield from _of_quality(publish, real)
 
 
+def left_out(part: str, values: dict[str, Any], real: Path) -> Iterator[Path]:
+    """Folders of results that earlier runs of a part have of data sets that are not there now: its door reads all it finds."""
+    for name, data in _opened(values["tables"])[part].get("data", {}).items():
+        if not _is_there(data, real):
+            yield from (DOORS[part][1] / name).glob("*/reports" if part == QUALITY else "reports")
+
+
 def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
     """Every data set that is there with every pair of seeds, then DriveGen alone at other temperatures with the first pair."""
     pairs = [
@@ -95,10 +102,13 @@ def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
 def _data_sets(publish: dict[str, Any], real: Path) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
     """Name, entry and parameters of each data set that is there."""
     for name, data in publish["data"].items():
-        folder = real / data["folder"]
-        if not data["folder"] or folder.is_dir():
-            folders = {key: placed(value, str(folder)) for key, value in data["folders"].items()}
+        if _is_there(data, real):
+            folders = {key: placed(value, str(real / data["folder"])) for key, value in data["folders"].items()}
             yield name, data, {**publish["params"], **data["params"], **folders}
+
+
+def _is_there(data: dict[str, Any], real: Path) -> bool:
+    return not data["folder"] or (real / data["folder"]).is_dir()
 
 
 def _opened(section: Any) -> dict[str, Any]:

@@ -139,8 +139,12 @@ def runs(tmp_path, monkeypatch) -> Path:
 def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
     from flows.tables import tables
 
+    before = runs / ".drivegen/tables/absent/7-7"  # made when this data set was there
+    for name in ("reports/metrics", "data"):
+        (before / name).mkdir(parents=True)
     state = tables(real=runs, return_state=True)
     assert state.is_completed(), state.message
+    assert [folder.name for folder in before.iterdir()] == ["data"]
     assert state.message == "reports/published from 3 runs"
     assert (runs / "reports" / "published" / "pooled").read_text().splitlines() == [
         "toy/7-7/data/table-drivegen drivegen 7 1.0",

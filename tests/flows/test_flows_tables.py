@@ -9,7 +9,7 @@ import yaml
 
 from drivegen.core.settings import read_section
 from flows import FlowFailed
-from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
+from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, ROOMS, left_out, rooms
 from flows.tables import nearest
 from flows.workspace import CHECKPOINTS, PARAMS, overridden, renew
 from stages import publish_corner
@@ -60,6 +60,20 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
     assert [room.name for room in rooms("quality", TABLES, tmp_path)] == [
         "corpus/7-7", "corpus/7-17", "corpus/8-7", "corpus/8-17", "corpus/t0.5",
     ]  # fmt: skip
+
+
+def test_results_are_left_out_with_their_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    values = {"tables": {"quality": PUBLISH, "drivers": PUBLISH, "corner": {"seeds": [7]}}}
+    for run in ("corpus/7-7", "real/7-7", "real/7-17", "drivers/corpus", "drivers/real", "corner/7"):
+        (ROOMS / run / "reports").mkdir(parents=True)
+    assert {run.as_posix() for run in left_out("quality", values, tmp_path)} == {
+        ".drivegen/tables/real/7-7/reports", ".drivegen/tables/real/7-17/reports",
+    }  # fmt: skip
+    assert list(left_out("drivers", values, tmp_path)) == [ROOMS / "drivers/real/reports"]
+    assert list(left_out("corner", values, tmp_path)) == []
+    (tmp_path / "recordings").mkdir()
+    assert not [*left_out("quality", values, tmp_path), *left_out("drivers", values, tmp_path)]
 
 
 @pytest.mark.parametrize("name", PUBLISH)
