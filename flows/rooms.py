@@ -54,7 +54,7 @@ class Room:
 def rooms(part: str, values: dict[str, Any], real: Path) -> list[Room]:
     """The runs of a part, by the `values` of params.yaml and the folder of real recordings.
 
-    Raises FlowFailed, before any of them is run, where something that they need is not said, or in another way.
+    Raises FlowFailed, before any of them is run, where something that they need is missing or of another kind.
     """
     try:
         return list(_rooms(part, _opened(values["tables"])[part], real))

@@ -47,7 +47,7 @@ def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: No
     others = os.environ.get("no_proxy") or os.environ.get("NO_PROXY")
     os.environ["no_proxy"] = f"{others},127.0.0.1" if others else "127.0.0.1"  # a proxy does not reach our own server
     home.mkdir(parents=True, exist_ok=True)
-    with (home / "server.log").open("a") as log:
+    with (home / "server.log").open("a") as log:  # another flow's server may be writing to it, too
         fcntl.flock(log, fcntl.LOCK_EX)  # servers of flows begun at once start in turn: of two that make one database one fails
         port = _free_port()
         url = f"http://127.0.0.1:{port}/api"

@@ -38,7 +38,7 @@ def tables(real: Path, part: str = QUALITY) -> Any:
         create_table_artifact(rows, key="tables", description="Runs behind the published tables")
         if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
             return Failed(message="; ".join(failed))
-        for results in left_out(part, values, real):  # DVC's cache keeps them for when their data set is there again
+        for results in list(left_out(part, values, real)):  # DVC's cache keeps them for when their data set is there again
             shutil.rmtree(results)
         door, finished = DOORS[part]
         pipeline.run_door(door, [finished, PUBLISHED], get_run_logger().info)
@@ -82,5 +82,6 @@ def _bring_up(room: Room, done: list[Room]) -> str:
             future.wait()
     finally:  # also of a run that is stopped: what it has made is not timed again either
         times.put_back(root)
+        workspace.bring_home(root, Path())  # the rooms to come need not pay for it again
     ended = [future.state for future in futures.values() if not future.state.is_completed()]
     return "; ".join(str(state.message) for state in ended if not state.is_pending())  # those behind a failed one wait for ever

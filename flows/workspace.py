@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from flows import FlowFailed
+from flows.mending import write_whole
 
 PARAMS = ("params.yaml", "stages/params.yaml")
 """What one would change of the pipeline, and of the stages that only measure us."""
@@ -24,6 +25,9 @@ LIKE = "like"
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 """Where trainings keep what they go on from after they were interrupted."""
+
+PAID = {"lm_store": "*/*.json", ".drivegen/calls": f"*-{'[0-9a-f]' * 12}.parquet"}
+"""Folders of language models' answers and of rows of what they cost, and which files count: rows of replays have no number."""
 
 _LOCKS = Path(".drivegen/locks")
 
@@ -62,10 +66,12 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
 
 
 def renew(source: Path, target: Path, params: Mapping[str, Any]) -> None:
-    """As `duplicate`, where the folder `target` may exist: of that remain the checkpoints of trainings that were interrupted.
+    """As `duplicate`, where the folder `target` may exist: of that remain the checkpoints of trainings that were interrupted,
+    and what was paid for, in `source` (`bring_home`).
 
-    They are named after everything that a training depends on, so one that would be another is never gone on with.
+    Checkpoints are named after everything that a training depends on, so one that would be another is never gone on with.
     """
+    bring_home(target, source)
     interrupted, aside = target / CHECKPOINTS, target.with_name(f"{target.name}.checkpoints")
     if interrupted.is_dir():
         shutil.rmtree(aside, ignore_errors=True)
@@ -75,6 +81,19 @@ def renew(source: Path, target: Path, params: Mapping[str, Any]) -> None:
     if aside.is_dir():
         interrupted.parent.mkdir(parents=True, exist_ok=True)
         aside.rename(interrupted)
+
+
+def bring_home(room: Path, source: Path) -> None:
+    """Copy to `source` what was paid for in its workspace `room`, which will be deleted: what is missing there, or older.
+
+    To be called when a run ends and, for one that was killed, before its workspace is made anew.
+    """
+    for folder, files in PAID.items():
+        for file in (room / folder).glob(files):
+            home = source / file.relative_to(room)
+            if not home.exists() or home.stat().st_mtime < file.stat().st_mtime:
+                home.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(home, file.read_bytes())
 
 
 def share_compiled(source: Path, target: Path) -> None:
