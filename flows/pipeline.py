@@ -34,6 +34,7 @@ MEASURES = "stages/dvc.yaml"
 
 _LOG = logging.getLogger("flows")
 _BUSY = ("is busy", "Unable to acquire lock")
+_RAN = "failed to run: "
 _IN_USE = "another run has files in use, wait for it or end it"
 _UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
 _HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
@@ -101,18 +102,17 @@ def _status(repo: Repo) -> Any:
     raise FlowFailed(f"{_IN_USE}: {busy}")
 
 
-def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force: bool = False) -> bool:
+def reproduce(stage: str, say: Callable[[str], None], root: Path = Path()) -> bool:
     """Run `dvc repro --single-item STAGE`, hand each line of output to `say`; True if it ran, False if DVC skipped it.
 
     Raises StageFailed when it ends with an error, and where another run has its files in use and goes on having them.
     """
-    command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", *(["--force"] if force else []), stage]
+    command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", stage]
     for _ in range(_TRIES):
         code, lines = _run(command, root, say)
-        text = "\n".join(lines)
         if code == 0:
-            return not any(words in text for words in _UNCHANGED)
-        if not any(words in text for words in _BUSY):
+            return not any(words in line for line in lines for words in _UNCHANGED)
+        if not _was_refused(lines):
             raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
         time.sleep(0.5)
     by = " ".join(line.strip() for line in lines if line.lstrip().startswith("(PID"))
@@ -133,7 +133,7 @@ def checkout(paths: list[str], root: Path) -> None:
     """Put tracked files of dvc.lock back from the cache. Raises StageFailed if the cache lacks them."""
     done = subprocess.run(
         [sys.executable, "-m", "dvc", "checkout", "--quiet", *paths],
-        cwd=root, env=_environment(), capture_output=True, text=True, timeout=600, check=False,
+        cwd=root, env=_environment(), capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode:
         raise StageFailed(f"cannot bring back {', '.join(paths)}: run `make run` first ({_reason(done.stderr.splitlines())})")
@@ -142,7 +142,7 @@ def checkout(paths: list[str], root: Path) -> None:
 def restore(root: Path) -> None:
     """Put back whatever dvc.lock names and the cache has: what changed is then made again from there, the rest stands."""
     command = [sys.executable, "-m", "dvc", "checkout", "--quiet", "--force", "--allow-missing"]
-    subprocess.run(command, cwd=root, env=_environment(), capture_output=True, timeout=600, check=False)
+    subprocess.run(command, cwd=root, env=_environment(), capture_output=True, check=False)
 
 
 def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> None:
@@ -272,6 +272,12 @@ def _environment() -> dict[str, str]:
     """Our own environment, with this Python first on the path for stages that find no .venv above them."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     return {**os.environ, "PATH": path, "PYTHONUNBUFFERED": "1", "DVC_NO_ANALYTICS": "1"}
+
+
+def _was_refused(lines: list[str]) -> bool:
+    """Whether DVC says, in its own last error, that others hold what it needs; a stage may use the same words for its own."""
+    error = next((line for line in reversed(lines) if line.startswith("ERROR: ")), "")
+    return _RAN not in error and any(words in error for words in _BUSY)
 
 
 def _reason(lines: list[str]) -> str:

@@ -39,8 +39,11 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
             raise FlowFailed(f"{target} exists and versions are never overwritten: give another name")
         workspace.renew(Path(), room, {"run.seed": seed})
         prepare(room)
-        for stage in STAGES:
-            bring_up(stage, room)
+        try:
+            for stage in STAGES:
+                bring_up(stage, room)
+        finally:
+            workspace.bring_home(room, Path())
         manifest = publish(room, target, version, seed)
         shutil.rmtree(room)
     files = [{"file": name, "sha256": digest} for name, digest in manifest["files"].items()]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flows import FlowFailed
 from flows.workspace import read_yaml
 
 ROOMS = Path(".drivegen/tables")
@@ -50,9 +51,19 @@ class Room:
     measured: tuple[str, ...]
 
 
-def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
-    """The runs of a part, by the `values` of params.yaml and the folder of real recordings."""
-    publish = _opened(values["tables"])[part]
+def rooms(part: str, values: dict[str, Any], real: Path) -> list[Room]:
+    """The runs of a part, by the `values` of params.yaml and the folder of real recordings.
+
+    Raises FlowFailed, before any of them is run, where something that they need is missing or of another kind.
+    """
+    try:
+        return list(_rooms(part, _opened(values["tables"])[part], real))
+    except (KeyError, TypeError, AttributeError) as error:
+        fault = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        raise FlowFailed(f"tables.{part} of params.yaml, or the file named there, can't be used: {fault}") from None
+
+
+def _rooms(part: str, publish: dict[str, Any], real: Path) -> Iterator[Room]:
     if part == MAPS:
         folder = str(real) if real.is_dir() else ""
         yield Room("pieces", {name: placed(value, folder) for name, value in publish["params"].items()}, OF_PIECES)
@@ -64,6 +75,13 @@ def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
             yield Room(f"{part}/{seed}", {**publish["params"], "run.seed": seed}, BY_SEED[part])
     else:
         yield from _of_quality(publish, real)
+
+
+def left_out(part: str, values: dict[str, Any], real: Path) -> Iterator[Path]:
+    """Folders of results that earlier runs of a part have of data sets that are not there now: its door reads all it finds."""
+    for name, data in _opened(values["tables"])[part].get("data", {}).items():
+        if not _is_there(data, real):
+            yield from (DOORS[part][1] / name).glob("*/reports" if part == QUALITY else "reports")
 
 
 def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
@@ -84,10 +102,13 @@ def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
 def _data_sets(publish: dict[str, Any], real: Path) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
     """Name, entry and parameters of each data set that is there."""
     for name, data in publish["data"].items():
-        folder = real / data["folder"]
-        if not data["folder"] or folder.is_dir():
-            folders = {key: placed(value, str(folder)) for key, value in data["folders"].items()}
+        if _is_there(data, real):
+            folders = {key: placed(value, str(real / data["folder"])) for key, value in data["folders"].items()}
             yield name, data, {**publish["params"], **data["params"], **folders}
+
+
+def _is_there(data: dict[str, Any], real: Path) -> bool:
+    return not data["folder"] or (real / data["folder"]).is_dir()
 
 
 def _opened(section: Any) -> dict[str, Any]:

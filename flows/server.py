@@ -5,6 +5,7 @@ ends. Its database and log stay in .drivegen/prefect. It ends with the flow, als
 PREFECT_API_URL is set, that server is used instead.
 """
 
+import fcntl
 import os
 import socket
 import subprocess
@@ -46,16 +47,18 @@ def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: No
     others = os.environ.get("no_proxy") or os.environ.get("NO_PROXY")
     os.environ["no_proxy"] = f"{others},127.0.0.1" if others else "127.0.0.1"  # a proxy does not reach our own server
     home.mkdir(parents=True, exist_ok=True)
-    port = _free_port()
-    url = f"http://127.0.0.1:{port}/api"
-    command = [sys.executable, "-m", "prefect", "server", "start", "--host", "127.0.0.1", "--port", str(port), "--no-ui"]
-    with (home / "server.log").open("w") as log:
+    with (home / "server.log").open("a") as log:  # another flow's server may be writing to it, too
+        fcntl.flock(log, fcntl.LOCK_EX)  # servers of flows begun at once start in turn: of two that make one database one fails
+        port = _free_port()
+        url = f"http://127.0.0.1:{port}/api"
+        command = [sys.executable, "-m", "prefect", "server", "start", "--host", "127.0.0.1", "--port", str(port), "--no-ui"]
         # In its own session Ctrl-C reaches the flow alone, which still needs the server to write down that it was stopped.
         server = attended.start(command, stdout=log, stderr=subprocess.STDOUT)
         try:
             os.environ["PREFECT_API_URL"] = url
             meanwhile()
             _await(url, server, home / "server.log")
+            fcntl.flock(log, fcntl.LOCK_UN)
             yield url
         finally:
             drain()

@@ -17,7 +17,7 @@ from flows import pipeline, workspace
 from flows.bring_up import by_a_sentence
 from flows.experiment import RUNNER, submit
 from flows.provenance import Times, note_code
-from flows.rooms import DOORS, MEASURED, QUALITY, ROOMS, Room, rooms
+from flows.rooms import DOORS, MEASURED, QUALITY, ROOMS, Room, left_out, rooms
 
 PUBLISHED = Path("reports/published")
 
@@ -29,7 +29,8 @@ def tables(real: Path, part: str = QUALITY) -> Any:
     rows: list[dict[str, str]] = []
     done: list[Room] = []
     with workspace.alone(f"tables-{part}"):
-        for room in rooms(part, workspace.read_yaml(Path("params.yaml")), real.resolve()):
+        values = workspace.read_yaml(Path("params.yaml"))
+        for room in rooms(part, values, real.resolve()):
             rows.append({"run": room.name, "why": _bring_up(room, done)})
             done.append(room)
             if rows[-1]["why"]:
@@ -37,6 +38,8 @@ def tables(real: Path, part: str = QUALITY) -> Any:
         create_table_artifact(rows, key="tables", description="Runs behind the published tables")
         if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
             return Failed(message="; ".join(failed))
+        for results in list(left_out(part, values, real)):  # DVC's cache keeps them for when their data set is there again
+            shutil.rmtree(results)
         door, finished = DOORS[part]
         pipeline.run_door(door, [finished, PUBLISHED], get_run_logger().info)
     return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
@@ -79,5 +82,6 @@ def _bring_up(room: Room, done: list[Room]) -> str:
             future.wait()
     finally:  # also of a run that is stopped: what it has made is not timed again either
         times.put_back(root)
+        workspace.bring_home(root, Path())  # the rooms to come need not pay for it again
     ended = [future.state for future in futures.values() if not future.state.is_completed()]
     return "; ".join(str(state.message) for state in ended if not state.is_pending())  # those behind a failed one wait for ever

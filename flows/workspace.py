@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from flows import FlowFailed
+from flows.mending import write_whole
 
 PARAMS = ("params.yaml", "stages/params.yaml")
 """What one would change of the pipeline, and of the stages that only measure us."""
@@ -24,6 +25,9 @@ LIKE = "like"
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 """Where trainings keep what they go on from after they were interrupted."""
+
+PAID = {"lm_store": "*/*.json", ".drivegen/calls": f"*-{'[0-9a-f]' * 12}.parquet"}
+"""Folders of language models' answers and of rows of what they cost, and which files count: rows of replays have no number."""
 
 _LOCKS = Path(".drivegen/locks")
 
@@ -62,10 +66,12 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
 
 
 def renew(source: Path, target: Path, params: Mapping[str, Any]) -> None:
-    """As `duplicate`, where the folder `target` may exist: of that remain the checkpoints of trainings that were interrupted.
+    """As `duplicate`, where the folder `target` may exist: of that remain the checkpoints of trainings that were interrupted,
+    and what was paid for, in `source` (`bring_home`).
 
-    They are named after everything that a training depends on, so one that would be another is never gone on with.
+    Checkpoints are named after everything that a training depends on, so one that would be another is never gone on with.
     """
+    bring_home(target, source)
     interrupted, aside = target / CHECKPOINTS, target.with_name(f"{target.name}.checkpoints")
     if interrupted.is_dir():
         shutil.rmtree(aside, ignore_errors=True)
@@ -75,6 +81,19 @@ def renew(source: Path, target: Path, params: Mapping[str, Any]) -> None:
     if aside.is_dir():
         interrupted.parent.mkdir(parents=True, exist_ok=True)
         aside.rename(interrupted)
+
+
+def bring_home(room: Path, source: Path) -> None:
+    """Copy to `source` what was paid for in its workspace `room`, which will be deleted: what is missing there, or older.
+
+    To be called when a run ends and, for one that was killed, before its workspace is made anew.
+    """
+    for folder, files in PAID.items():
+        for file in (room / folder).glob(files):
+            home = source / file.relative_to(room)
+            if not home.exists() or home.stat().st_mtime < file.stat().st_mtime:
+                home.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(home, file.read_bytes())
 
 
 def share_compiled(source: Path, target: Path) -> None:
@@ -101,11 +120,13 @@ def override(root: Path, params: Mapping[str, Any]) -> None:
 
 
 def read_yaml(file: Path) -> dict[str, Any]:
-    """The names and values of a YAML file. Raises FlowFailed where it is none."""
+    """The names and values of a YAML file. Raises FlowFailed where it is none, or holds no names."""
     try:
-        values: dict[str, Any] = yaml.safe_load(file.read_text())
+        values: Any = yaml.safe_load(file.read_text())
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise FlowFailed(f"{file} is not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(values, dict):
+        raise FlowFailed(f"{file} holds no names with values")
     return values
 
 
@@ -120,13 +141,16 @@ def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, 
     result = copy.deepcopy(dict(values))
     for name, value in over.items():
         *sections, last = name.split(".")
+        unknown = FlowFailed(f"the parameters have no {name!r} to replace")
         place: Any = result
         free = False
         for word in sections:
-            place = place.setdefault(word, {}) if free else place[word]
+            place = place.setdefault(word, {}) if free else place.get(word)
+            if not isinstance(place, dict):
+                raise unknown
             free |= LIKE in place
         if last not in place and not free:
-            raise FlowFailed(f"the parameters have no {name!r} to replace")
+            raise unknown
         place[last] = value
     return result
 

@@ -29,6 +29,9 @@ def test_a_fault_of_a_flow_is_its_state_s_message(root: Path) -> None:
     assert corpus.fn("huge", root).message == "flows/sizes.yaml has no size 'huge'; there are driving"
     (root / "flows" / "sizes.yaml").write_text("driving: {")
     assert str(corpus.fn("huge", root).message).startswith("flows/sizes.yaml is not YAML: ")
+    for nameless in ("", "- driving\n"):
+        (root / "flows" / "sizes.yaml").write_text(nameless)
+        assert corpus.fn("huge", root).message == "flows/sizes.yaml holds no names with values"
     (root / "flows" / "sizes.yaml").unlink()
     assert "flows/sizes.yaml" in str(corpus.fn("huge", root).message)
 
@@ -47,6 +50,17 @@ def test_what_dvc_cannot_read_is_said_in_one_line(root: Path) -> None:
     (root / "params.yaml").write_text("run: {seed: 7\nrounds: [")
     with pytest.raises(FlowFailed, match=r"^DVC: unable to read: 'params.yaml'.* line 2.*$"):
         pipeline.read()
+
+
+def test_however_long_files_take_to_come_back_they_are_waited_for(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def slow(command: list[str], timeout: float | None = None, **_: object) -> subprocess.CompletedProcess[str]:
+        if timeout is not None:
+            raise subprocess.TimeoutExpired(command, timeout)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(pipeline.subprocess, "run", slow)
+    pipeline.checkout(["data"], root)
+    pipeline.restore(root)
 
 
 def test_a_folder_without_git_is_told_what_to_do(tmp_path: Path) -> None:

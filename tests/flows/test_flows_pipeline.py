@@ -67,14 +67,23 @@ def test_a_failed_stage_says_its_own_last_words(root):
         pipeline.reproduce("ingest", lambda _: None)
 
 
+def test_a_stage_that_calls_something_busy_as_it_fails_is_not_run_again(root, monkeypatch):
+    monkeypatch.setattr(pipeline, "_TRIES", 2)
+    (root / "dvc.yaml").write_text(toy.DVC.replace("echo logs >", "echo once >> ran; echo 'the road is busy' && false >"))
+    with pytest.raises(pipeline.StageFailed, match="stage ingest failed: the road is busy"):
+        pipeline.reproduce("ingest", lambda _: None)
+    assert (root / "ran").read_text() == "once\n"
+
+
 def test_a_stage_whose_files_are_held_waits_for_them(root):
     (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "sleep 2; cat data/maps"))
     for stage in ("ingest", "maps"):
         pipeline.reproduce(stage, lambda _: None)
+    (root / "params.yaml").write_text(toy.PARAMS.replace("seed: 7", "seed: 8"))  # `ingest` depends on it
     holder = threading.Thread(target=pipeline.reproduce, args=("place", lambda _: None))
     holder.start()
     lines: list[str] = []
-    assert pipeline.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
+    assert pipeline.reproduce("ingest", lines.append)  # it rewrites what `place` reads
     holder.join()
 
 
@@ -131,8 +140,9 @@ def test_overrides_replace_values_and_refuse_unknown_names():
     over = {"run.seed": 8, "rounds": [3]}
     assert workspace.overridden(values, over) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
     assert values["run"]["seed"] == 7
-    with pytest.raises(FlowFailed, match=r"run\.speed"):
-        workspace.overridden(values, {"run.speed": 1})
+    for unknown in ("run.speed", "run.speeds.car", "run.seed.first", "walk.seed"):
+        with pytest.raises(FlowFailed, match=f"^the parameters have no '{unknown}' to replace$"):
+            workspace.overridden(values, {unknown: 1})
 
 
 def test_what_is_like_another_section_may_be_told_more_than_stands_there():

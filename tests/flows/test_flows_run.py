@@ -94,10 +94,12 @@ def test_where_a_stage_fails_nothing_is_published_and_no_round_follows(done):
     from flows.regenerate import regenerate
 
     broken = toy.DVC.replace("cat data/maps", "echo no map here; cat data/map").replace("cp ${item.before}", "cp no/${item.k}")
-    (done / "dvc.yaml").write_text(broken)
+    asking = "mkdir -p lm_store/aa && echo paid > lm_store/aa/maps.json; grep -o"
+    (done / "dvc.yaml").write_text(broken.replace("grep -o", asking))
     state = regenerate(version="broken", return_state=True)
     assert state.is_failed()
     assert str(state.message).startswith("stage place failed: cat: ")
+    assert (done / "lm_store/aa/maps.json").read_text() == "paid\n"
     assert not (done / "data" / "versions").exists()
     state = iterate(return_state=True)
     assert state.is_failed()
@@ -139,8 +141,14 @@ def runs(tmp_path, monkeypatch) -> Path:
 def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
     from flows.tables import tables
 
+    asking = "> data/table-${item} && mkdir -p lm_store/aa && echo ${item} > lm_store/aa/${item}.json"
+    (runs / "dvc.yaml").write_text((runs / "dvc.yaml").read_text().replace("> data/table-${item}", asking))
+    before = runs / ".drivegen/tables/absent/7-7"  # made when this data set was there
+    for name in ("reports/metrics", "data"):
+        (before / name).mkdir(parents=True)
     state = tables(real=runs, return_state=True)
     assert state.is_completed(), state.message
+    assert [folder.name for folder in before.iterdir()] == ["data"]
     assert state.message == "reports/published from 3 runs"
     assert (runs / "reports" / "published" / "pooled").read_text().splitlines() == [
         "toy/7-7/data/table-drivegen drivegen 7 1.0",
@@ -152,6 +160,7 @@ def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
     assert (runs / "ingested").read_text() == "once\n"  # the first run computed it, the others took it from the cache
     assert not list(runs.glob(".drivegen/tables/*/*/data/round-*"))  # no table asks for it
     assert not (runs / "data").exists()
+    assert sorted(file.read_text() for file in runs.glob("lm_store/*/*")) == ["drivegen\n", "log\n"]
     assert len(list(runs.glob(".drivegen/tables/toy/*/.drivegen/code.json"))) == 3
 
 

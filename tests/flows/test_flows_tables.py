@@ -8,7 +8,9 @@ import pytest
 import yaml
 
 from drivegen.core.settings import read_section
-from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
+from drivegen.lm.ledger import Call, Ledger
+from flows import FlowFailed
+from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, ROOMS, left_out, rooms
 from flows.tables import nearest
 from flows.workspace import CHECKPOINTS, PARAMS, overridden, renew
 from stages import publish_corner
@@ -61,6 +63,30 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_results_are_left_out_with_their_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    values = {"tables": {"quality": PUBLISH, "drivers": PUBLISH, "corner": {"seeds": [7]}}}
+    for run in ("corpus/7-7", "real/7-7", "real/7-17", "drivers/corpus", "drivers/real", "corner/7"):
+        (ROOMS / run / "reports").mkdir(parents=True)
+    assert {run.as_posix() for run in left_out("quality", values, tmp_path)} == {
+        ".drivegen/tables/real/7-7/reports", ".drivegen/tables/real/7-17/reports",
+    }  # fmt: skip
+    assert list(left_out("drivers", values, tmp_path)) == [ROOMS / "drivers/real/reports"]
+    assert list(left_out("corner", values, tmp_path)) == []
+    (tmp_path / "recordings").mkdir()
+    assert not [*left_out("quality", values, tmp_path), *left_out("drivers", values, tmp_path)]
+
+
+@pytest.mark.parametrize("name", PUBLISH)
+def test_what_tables_lack_is_said_before_any_run(name: str, tmp_path: Path) -> None:
+    without = {other: value for other, value in PUBLISH.items() if other != name}
+    for section, fault in ((without, f"'{name}' is missing"), ({**PUBLISH, name: None}, "'NoneType' object")):
+        with pytest.raises(FlowFailed, match=rf"^tables.quality of params.yaml, or the file named there, .*: {fault}"):
+            rooms("quality", {"tables": {"quality": section}}, tmp_path)
+    with pytest.raises(FlowFailed, match="'tables' is missing"):
+        rooms("quality", {}, tmp_path)
+
+
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("real", [True, False])
 def test_what_the_runs_of_a_part_replace_is_there(part: str, real: bool, tmp_path: Path) -> None:
@@ -101,12 +127,46 @@ def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_pa
     assert [room.name for room in runs] == [f"drivers/{name}" for name in read_section("tables.drivers.data")]
 
 
-def test_a_run_that_is_made_again_keeps_what_interrupted_trainings_go_on_from_and_nothing_else(tmp_path: Path) -> None:
-    source, room = tmp_path / "source", tmp_path / "rooms" / "7-7"
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    source = tmp_path / "source"
     (source / ".dvc").mkdir(parents=True)
     (source / ".dvc/config").write_text("")
     (source / "params.yaml").write_text("run: {seed: 7}\n")
     subprocess.run(["git", "init", "-q", source], check=True)
+    return source
+
+
+def test_what_was_paid_for_in_a_run_outlives_it(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    room, answers, calls = tmp_path / "rooms" / "7-7", Path("lm_store/aa"), Path(".drivegen/calls")
+    (source / answers).mkdir(parents=True)
+    for name in ("untouched", "asked again", "asked again meanwhile"):
+        (source / answers / f"{name}.json").write_text("before")
+    renew(source, room, {})
+    monkeypatch.chdir(room)
+    for name in ("asked again", "asked"):
+        (answers / f"{name}.json").write_text("in the run")
+    (answers / ".half.json.host.1.part").write_text("ha")
+    for replayed in (False, True):
+        ledger = Ledger(1.0, 1)
+        ledger.add(Call("goals", "model", "1", "key", 0, 0, replayed=replayed))
+        with ledger.kept("goals"):
+            pass
+    (paid,) = calls.glob("goals-*.parquet")
+    row = paid.read_bytes()
+    (source / answers / "asked again meanwhile.json").write_text("meanwhile")
+    renew(source, room, {})
+    assert {file.stem: file.read_text() for file in (source / answers).iterdir()} == {
+        "untouched": "before", "asked again": "in the run", "asked again meanwhile": "meanwhile", "asked": "in the run",
+    }  # fmt: skip
+    assert (room / answers / "asked.json").read_text() == "in the run"
+    assert {file.name: file.read_bytes() for file in (source / calls).iterdir()} == {paid.name: row}
+
+
+def test_a_run_that_is_made_again_keeps_what_interrupted_trainings_go_on_from_and_nothing_else(
+    source: Path, tmp_path: Path
+) -> None:
+    room = tmp_path / "rooms" / "7-7"
     renew(source, room, {"run.seed": 8})
     for name in (CHECKPOINTS / "planner-1.safetensors", Path("data/half.parquet")):
         (room / name).parent.mkdir(parents=True, exist_ok=True)
