@@ -2,6 +2,7 @@
 
 import pytest
 
+from drivegen.core.errors import UnusableInput
 from drivegen.words.read import read
 
 
@@ -17,6 +18,7 @@ from drivegen.words.read import read
         ("a car that approaches from the right", "There is 1 car coming from the right of the target vehicle."),
         ("a car next to us on the left", "There is 1 car on the left of the target vehicle."),
         ("a truck in the adjacent right lane", "There is 1 truck on the right of the target vehicle."),
+        ("a truck in the right lane", "There is 1 truck on the right of the target vehicle."),
         ("cut-in from the left", "There is 1 vehicle coming from the left of the target vehicle cutting in."),
         ("somebody overtakes us", "There is 1 vehicle overtaking the target."),
         ("four cars, two ahead, two behind", "There are 2 cars ahead. There are 2 cars behind."),
@@ -30,6 +32,19 @@ def test_what_engineers_type_is_what_is_said_plainly(text, plain):
     words, same = read(text, 7), read(plain, 7)
     assert words.road is None
     assert words.traffic == same.traffic
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a three-lane motorway, a truck in the right lane",
+        "a two-lane motorway with a truck in the right lane and a car in the left lane",
+        "a crossing with three lanes in each direction, a car ahead in the left lane",
+    ],
+)
+def test_the_left_lane_of_more_than_two_is_not_left_of_the_target(text):
+    with pytest.raises(UnusableInput, match="in which lane the target is"):
+        read(text, 7)
 
 
 def test_the_targets_speed_is_not_the_traffics():
