@@ -125,7 +125,7 @@ def _row(one: Judgement) -> dict[str, Any]:
         "scenario": case.scenario_id,
         "kind": one.kind,
         "sentence": one.sentence,
-        "attacker": case.attacker,
+        "attacker": case.attacker or None,  # in logged traffic nobody was given another motion
         "partner": case.partner,
         "seconds": round(case.step * 0.1, 1),
         "odds": None if np.isnan(case.odds) else case.odds,

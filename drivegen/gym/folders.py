@@ -37,7 +37,8 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
-        made = "run `make run` first, in the project's folder, or " if folder.parts[:1] == SCENES.parts[:1] else ""
+        in_project = folder.parts[:1] == SCENES.parts[:1] and not folder.exists()
+        made = "run `make run` first, in the project's folder, or " if in_project else ""
         raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
     files = shards(place)
     left_out: dict[str, list[str]] = defaultdict(list)

@@ -1,6 +1,6 @@
 """What `make` and `reset` of an environment are given, made into what it needs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import read_params
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import Environment
@@ -23,11 +24,24 @@ def opened(
     """Episodes in the scenarios of a folder, or in those given, as `settings` say or, without them, params.yaml."""
     if not isinstance(rows, int | np.integer) or rows < 1:
         raise UnusableInput(f"num_envs is {rows!r}: give a whole number from 1 on")
+    if not isinstance(settings, Settings | None):
+        raise UnusableInput(
+            f"settings are a {type(settings).__name__}: give Settings, as replace(read_params('environment', Settings))"
+        )
     settings = settings or read_params(SECTION, Settings)
+    if device != "cpu" and not torch.cuda.is_available():
+        raise UnusableInput(f"device is {device!r}, and PyTorch finds no GPU here: leave it out")
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
-    if not all(isinstance(one, tuple | list) and len(one) == 2 for one in traffic or ()):
-        raise UnusableInput("scenarios to drive in are pairs of a scenario and motion in it, or a folder")
+    traffic = list(traffic) if isinstance(traffic, Iterable) else [traffic]
+    if not all(map(_is_traffic, traffic)):
+        raise UnusableInput("scenarios to drive in are pairs of a scenario and motion of its vehicles, or a folder")
     return Environment(traffic, rows, settings, device)
+
+
+def _is_traffic(pair: Any) -> bool:
+    """Whether it is a scenario and, beside it, motion of as many vehicles."""
+    whole = isinstance(pair, tuple | list) and [type(one) for one in pair] == [Scenario, Trajectories]
+    return whole and len(pair[0].vehicles) == len(pair[1].valid)
 
 
 def begun(environment: Environment, count: int, options: Mapping[str, Any] | None, random: np.random.Generator) -> Tensor:

@@ -44,10 +44,12 @@ def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
 def _refuse_unrepeatable(model: BaseAlgorithm) -> None:
     if model.observation_space != OBSERVATION:
         raise UnusableInput("the policy does not see what drivers see: train it in this environment")
+    environment = model.get_env()
+    if environment is None:
+        raise UnusableInput("what the policy was trained in is not known: load it with its environment, load(FILE, env=...)")
     if model.get_vec_normalize_env() is not None:
         raise UnusableInput("the policy was trained through VecNormalize, whose numbers no driver sees: train it without")
-    environment = model.get_env()
-    if environment is not None and environment.get_attr("environment")[0].settings.motion == "free":
+    if environment.get_attr("environment")[0].settings.motion == "free":
         raise UnusableInput("the policy steers freely, and drivers keep to paths: train it with motion `path` or `path_offset`")
 
 

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import OBSERVATION, TERMS, Step
 from drivegen.gym.opening import begun, opened
@@ -37,6 +38,8 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
         render_mode: None = None,
     ) -> None:
         """See `env.DriveEnv`."""
+        if render_mode is not None:
+            raise UnusableInput(f"render_mode is {render_mode!r}: many rows have no picture, gymnasium.make with one has")
         self.render_mode = render_mode
         self.num_envs, self.environment = num_envs, opened(scenarios, num_envs, settings, of, device)
         self.single_observation_space, self.single_action_space = OBSERVATION, self.environment.actions

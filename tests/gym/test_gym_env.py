@@ -254,7 +254,7 @@ def test_what_is_no_number_of_rows_is_refused(kind, rows):
 
 
 def test_scenarios_without_motion_are_refused():
-    with pytest.raises(UnusableInput, match="are pairs of a scenario and motion in it, or a folder"):
+    with pytest.raises(UnusableInput, match="are pairs of a scenario and motion of its vehicles, or a folder"):
         DriveVectorEnv([alone()[0]], 1, SETTINGS)
     with pytest.raises(UnusableInput, match="needs at least one scenario"):
         DriveVectorEnv([], 1, SETTINGS)
@@ -314,6 +314,28 @@ def test_a_picture_shows_others_at_the_speed_that_they_have():
     assert float(present(env.environment).vehicles.speed[1]) == pytest.approx(
         float(env.environment.world.neighbours.speed[0, 0]), abs=0.1
     )
+
+
+@pytest.mark.parametrize("kind", [DriveVectorEnv, DriveVecEnv])
+def test_what_is_no_traffic_settings_or_device_is_one_sentence(kind):
+    scene, motion = alone()
+    for wrong in (3, [(motion, scene)], [(scene, motion[:0])], iter([scene])):
+        with pytest.raises(UnusableInput, match="are pairs of a scenario and motion of its vehicles"):
+            kind(wrong, 1, SETTINGS)
+    with pytest.raises(UnusableInput, match="settings are a dict: give Settings"):
+        kind([alone()], 1, {"motion": "path"})
+    if not torch.cuda.is_available():
+        with pytest.raises(UnusableInput, match="finds no GPU here"):
+            kind([alone()], 1, SETTINGS, device="cuda")
+    assert kind(iter([alone()]), 2, SETTINGS).num_envs == 2
+
+
+def test_many_rows_are_not_asked_for_pictures_and_a_file_is_no_folder(tmp_path):
+    with pytest.raises(UnusableInput, match="many rows have no picture"):
+        DriveVectorEnv([alone()], 2, SETTINGS, render_mode="rgb_array")
+    (tmp_path / "shard-00000.parquet").touch()
+    with pytest.raises(UnusableInput, match=r"shard-00000.parquet is no folder: give one"):
+        DriveVectorEnv(tmp_path / "shard-00000.parquet", 2, SETTINGS)
 
 
 def test_nothing_to_drive_is_said():

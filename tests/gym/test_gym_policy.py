@@ -81,6 +81,10 @@ def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
     free = DriveVecEnv([(scene, scene.log)], 4, replace(SETTINGS, motion="free"))
     with pytest.raises(UnusableInput, match="steers freely"):
         save_policy(PPO("MlpPolicy", free, device="cpu"), tmp_path, "mine")
+    loaded = PPO("MlpPolicy", free, device="cpu")
+    loaded.env = None  # so `PPO.load(FILE)` leaves it
+    with pytest.raises(UnusableInput, match="load it with its environment"):
+        save_policy(loaded, tmp_path, "mine")
     with pytest.raises(UnusableInput, match="neither linear nor activations"):
         save_policy(PPO("MlpPolicy", env, device="cpu", policy_kwargs={"features_extractor_class": Scaled}), tmp_path, "mine")
     with pytest.raises(UnusableInput, match=r"no driver's .activation 'elu'.*: train one with tanh or ReLU"):

@@ -23,6 +23,7 @@ from tests.scenes import busy_crossing, noisy_samples
 ROOT = Path(__file__).parents[2]
 SHARD = "shard-00000.parquet"
 SCENES = ("a-00000-1", "a-00040-2")
+DRIVE = Run("ba9876543210", "drive", "drivegen", "gail", 7, "batch", "gail", "data/scenarios/test")
 CORNER = Run("0123456789ab", "corner", "drivegen_cs", "idm", 7, "batch", "1", "data/scenarios/test")
 FENCED = re.compile(r"^```(sql|text)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
@@ -41,17 +42,21 @@ def made(tmp_path_factory) -> Path:
         samples[0].dropped[0, 2] = True
         write_samples(root / folder / SHARD, samples)
     about = {"stage": "corner", "item": "1", "scenario": SCENES[1], "sample": 1}
-    write_json(root / "recordings.json", [{"text": "the collision", "href": "recordings/corner-1-0.rrd", **about}])
+    traffic = {"stage": "rollout", "item": "drivegen", "scenario": SCENES[0], "sample": 0}
+    recorded = [{"text": "the collision", "href": "recordings/corner-1-0.rrd", **about}]
+    write_json(root / "recordings.json", [*recorded, {"text": "its traffic", "href": "recordings/a-00000-1.rrd", **traffic}])
     runs = {"collision": [0, 0, 0, 1], "collision.at_fault": [0, 0, 0, 1], "collision.counted": [0, 0, 0, 1]}
     runs |= {"impact.kind.front": [np.nan] * 3 + [1], "impact.step": [np.nan] * 3 + [37], "impact.partner": [np.nan] * 3 + [5]}
     runs |= {"distance": [50, 60, 70, 20], "left_map": [0, 0, 1, 0], "absolute_acceleration": [0.5, 0.5, 0.5, 3.0]}
     runs |= {"reactive.collision": [0, 0, 0, 0], "reactive.distance": [49, 59, 69, 19]}
     values = {name: np.array(each, float) for name, each in runs.items()}
+    driven = {"collision": np.array([1.0, 1.0, 0.0]), "collision.artefact": np.array([0.0, 1.0, 0.0])}
     tables = {
         "results": pa.concat_tables(
             [
                 result_rows(CORNER, np.repeat(SCENES, 2).tolist(), values, np.array([0, 1, 0, 1])),
                 result_rows(CORNER, SCENES, {"collision": np.array([0.0, 0.5])}),
+                result_rows(DRIVE, [SCENES[0]] * 3, driven, np.arange(3)),
             ]
         ),
         "scenarios": read_scenarios({"test": root / "test", "train": root / "nowhere"}),
@@ -100,12 +105,21 @@ def test_one_query_says_what_crashed_how_where_it_is_recorded_and_with_which_par
 
 
 def test_every_run_of_a_driver_has_one_row(ask):
-    rows = ask("from drives where not reactive order by scenario, sample")
+    rows = ask("from drives where stage = 'corner' and not reactive order by scenario, sample")
     assert [(row["collision"], row["left_map"], row["kind"]) for row in rows] == [
         (False, False, None),
         (False, False, None),
         (False, True, None),
         (True, False, "front"),
+    ]
+
+
+def test_a_run_is_counted_by_its_stage_and_recorded_only_where_its_driver_is_seen(ask):
+    rows = ask("from drives where stage = 'drive' order by sample")
+    assert [(row["collision"], row["counted"], row["recording"]) for row in rows] == [
+        (True, True, None),
+        (True, False, None),
+        (False, False, None),
     ]
 
 
@@ -122,7 +136,7 @@ def test_a_run_among_neighbours_that_react_is_a_row_of_its_own(ask):
 def test_numbers_of_samples_do_not_weigh_in_means_over_scenes(ask):
     [row] = ask("from metrics where metric = 'collision'")
     assert (row["scenarios"], row["mean"]) == (2, 0.25)
-    [run] = ask("from runs")
+    [run] = ask("from runs where stage = 'corner'")
     assert (run["run"], run["item"], run["inputs"]) == (CORNER.run, "1", "data/scenarios/test")
 
 

@@ -23,8 +23,8 @@ where metric not like 'label.%' and metric not like 'manoeuvre.%'
 group by all;
 
 -- Every run of a driver through a sample: how it ended and how it drove. `kind` is who hit whom, null without a collision,
--- `partner` the other vehicle's index in the scenario, `counted` whether corner cases learn from it, `made_by` the stage that made the
--- traffic (its section of parameters says how), `shard` where that lies, `recording` one that shows it.
+-- `partner` the other vehicle's index in the scenario, `counted` whether it is a collision that says something of the driver, `made_by` the stage that made the
+-- traffic (its section of parameters says how), `shard` where that lies, `recording` one that shows it: other stages record how the traffic alone moves.
 create view drives as
 with runs_of_drivers as (
     select stage, item, method, driver, scenario, sample, reactive,
@@ -34,17 +34,19 @@ with runs_of_drivers as (
            max(value) filter (metric = 'impact.partner')::int as partner,
            bool_or(value = 1) filter (metric = 'collision.at_fault') as at_fault,
            bool_or(value = 1) filter (metric = 'collision.counted') as counted,
+           bool_or(value = 1) filter (metric = 'collision.artefact') as artefact,
            bool_or(value = 1) filter (metric = 'left_map') as left_map,
            max(value) filter (metric = 'distance') as distance,
            max(value) filter (metric = 'absolute_acceleration') as absolute_acceleration
     from (select * exclude metric, starts_with(metric, 'reactive.') as reactive, regexp_replace(metric, '^reactive[.]', '') as metric
           from results where driver <> '' and sample >= 0)
     group by all)
-select d.*, s.stage as made_by, s.shard, r.href as recording
+select d.* exclude (artefact) replace (coalesce(counted, collision and not artefact) as counted),
+       s.stage as made_by, s.shard, r.href as recording
 from runs_of_drivers d
 left join samples s on s.method = d.method and s.scenario = d.scenario and s.sample = d.sample
                    and (s.stage = 'corner') = (d.stage = 'corner') and (d.stage <> 'corner' or s.item = d.item)
-left join recordings r on r.stage = s.stage and r.item = s.item and r.scenario = d.scenario and r.sample = d.sample;
+left join recordings r on d.stage = 'corner' and r.stage = s.stage and r.item = s.item and r.scenario = d.scenario and r.sample = d.sample;
 
 -- Those that ended in a collision.
 create view crashes as select * exclude (collision, left_map) from drives where collision;
