@@ -21,7 +21,6 @@ from drivegen.lm.settings import RoleSettings
 ASKED_AGAIN = 2
 """How often at most, with what was wrong, after an answer that fails validation."""
 
-_NOT_BILLED = {"no-model", "refused", "rate-limited", "server-error", "unreachable"}
 _IN_WORDS = "Answer with one JSON object and nothing else. It must satisfy this JSON Schema:\n"
 _MEND = "That answer cannot be used:\n{}\nAnswer again, whole, with this mended."
 
@@ -222,13 +221,13 @@ class LanguageModel:
     ) -> Call:
         """The row of a call for which `most` was set aside, settled now; it lacks the outcome, but a failure's is noted."""
         if isinstance(reply, NoAnswer):
-            paid = 0.0 if reply.reason in _NOT_BILLED else None
-            self.ledger.settle(most, paid)
+            paid = None if reply.lost else 0.0
+            self.ledger.settle(most, paid, max(reply.lost - 1, 0))
             self.ledger.add(replace(row, outcome=reply.reason, latency=latency, cost=_dollars(paid)))
             return row
         cost = self._price(request, reply.input_tokens, reply.output_tokens, share)
-        self.ledger.settle(most, cost)
-        entry = replace(row, latency=latency, retries=reply.retries, cost=_dollars(cost))
+        self.ledger.settle(most, cost, reply.lost)
+        entry = replace(row, latency=latency, retries=reply.retries, cost=_dollars(None if reply.lost else cost))
         return replace(entry, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
 
     def _price(self, request: Request, tokens_in: int | None, tokens_out: int | None, share: float) -> float | None:

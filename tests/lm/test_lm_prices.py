@@ -100,6 +100,20 @@ def test_a_call_that_was_refused_costs_nothing_and_leaves_the_dollars_known(tmp_
             assert query(tmp_path / "all.duckdb", "from language_model_calls")["dollars"].to_pylist() == [dollars]
 
 
+@pytest.mark.parametrize("budget", ["max_calls", "max_usd"])
+def test_an_attempt_without_a_response_counts_against_the_budget_for_it_may_be_billed(tmp_path, monkeypatch, budget):
+    monkeypatch.setattr(OPENAI, "vendor", lambda *_: "openai")
+    request = model(tmp_path, model="gpt-4o").request(question())
+    most = price("gpt-4o", "openai", input_tokens(request, OPENAI), request.max_tokens)
+    enough_for_two = {"max_calls": {"max_calls": 2}, "max_usd": {"max_usd": 2 * most}}[budget]
+    with serving([Says(hang=True), Says(GOOD)]) as server:
+        asked = model(tmp_path, server.url, model="gpt-4o", timeout=0.5, **enough_for_two)
+        asked.ask(question())
+        assert [(call.outcome, call.cost, call.retries) for call in asked.ledger.calls] == [("answered", "unknown", 1)]
+        with pytest.raises(OverBudget):
+            asked.ask(question("another"))
+
+
 def test_lm_words_name_another_model():
     base = settings("http://127.0.0.1:1/v1")
     assert overridden(base, "offline").model == ""
