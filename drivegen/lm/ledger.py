@@ -43,7 +43,8 @@ class Call:
     """One call of a model, or one answer from the records; what is known only after it has a default.
 
     Attributes:
-        asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again" or why there was no answer.
+        asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again", "interrupted" or
+            why there was no answer.
         cost: dollars as text, or "unknown", as where an attempt had no response, which may be billed all the same; 0 for what
             was replayed or is not billed. latency: [s], of a batch each call's share. retries: of the transport.
     """
