@@ -40,7 +40,7 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
     from pydantic_ai.models.batch import BatchRequest
     from pydantic_ai.settings import ModelSettings
 
-    line = Line(url, MOST_BYTES * len(requests))
+    line = Line(url, key, MOST_BYTES * len(requests))
     questions = [
         BatchRequest(
             custom_id=f"q{number}",

@@ -26,20 +26,28 @@ _MOST_TOKENS = 2**31
 _LONGEST_WAIT = 60.0  # [s] between two attempts, whatever Retry-After says
 _TOOL = "answer"
 
+_HEADERS = {
+    "host", "connection", "accept", "accept-encoding", "content-type", "content-length", "transfer-encoding", "user-agent",
+    "anthropic-version", "anthropic-beta",
+}  # fmt: skip
+"""What goes out beside the key: the vendors' clients add what variables of the environment hold, for any server."""
+
 
 class Line:
     """The HTTP client of one call: it counts attempts and hangs up on bodies that are too long or compressed.
 
     Attributes:
-        attempts: requests so far; `lost` of them reached a server and had no whole response. accepted: whether one was granted.
+        key: the only secret that is sent. attempts: requests so far; `lost` of them reached a server and had no whole response.
+        accepted: whether one was granted.
 
     A compressed body of allowed length could still unpack to gigabytes, so none is asked for and none is read. Redirects are
     not followed, and no proxy is used for what is not encrypted: they would take the key elsewhere.
     """
 
-    def __init__(self, url: str, most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, url: str, key: str, most_bytes: int = MOST_BYTES) -> None:
         import httpx2
 
+        self.key = key or "none"  # the vendors' clients insist on one
         self._most = most_bytes
         self.attempts, self.lost, self.accepted, self.too_large = 0, 0, False, False
         hooks: dict[str, list[Callable[..., Any]]] = {"request": [self._sent], "response": [self._received]}
@@ -65,8 +73,11 @@ class Line:
 
         return Counting
 
-    async def _sent(self, _request: "httpx2.Request") -> None:
+    async def _sent(self, request: "httpx2.Request") -> None:
         self.attempts += 1
+        for name in set(request.headers) - _HEADERS:
+            del request.headers[name]
+        request.headers["Authorization"] = f"Bearer {self.key}"
 
     async def _received(self, response: "httpx2.Response") -> None:
         import httpx2
@@ -112,7 +123,7 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
     from pydantic_ai.exceptions import AgentRunError, UserError
     from pydantic_ai.settings import ModelSettings
 
-    line = Line(url)
+    line = Line(url, key)
     reason: Reason
     async with line.http:
         try:
