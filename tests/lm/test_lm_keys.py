@@ -139,7 +139,7 @@ def test_a_reply_without_the_key_is_kept_as_it_is(text, key):
 
 @pytest.mark.parametrize("key", ["", "none", "token-abc"])
 def test_a_placeholder_in_place_of_a_key_hides_no_reply(key):
-    reply = '{"place": 1, "reason": "it is the nearest one, %6Eo%6Ee, token abc"}'
+    reply = '{"place": 1, "reason": "it is the nearest one, none, %6Eo%6Ee, token-abc, token abc"}'
     assert scrubbed(reply, key) == reply
 
 
