@@ -39,8 +39,8 @@ class Settings:
         layout: "per_vehicle", a call for each (the paper's), or "per_scenario", one call with all pictures.
         pixels: side of a picture. ranked: places that it is to rank. at_once: calls at the same time.
         decay: odds of a place over those of the one ranked before it. trust: share of the odds that the ranking gets.
-        ask_when_unsure: share of vehicles that it is asked about: those where the usual odds are least certain or whose
-            goals matter most to others. knowledge: words that are put before every question. examples: a folder of worked
+        ask_when_unsure: share of vehicles with a choice that it is asked about: those where the usual odds are least certain or
+            whose goals matter most to others. knowledge: words that are put before every question. examples: a folder of worked
             examples (NAME.png, NAME.txt) that are shown before it; "" for none.
     """
 
@@ -119,15 +119,16 @@ class Asking:
     def _cases(self, scene: Scene) -> list[Case]:
         """Vehicles that the model is asked about."""
         offered, share = scene.candidates, self.settings.ask_when_unsure
+        able = [n for n, c in enumerate(offered) if len(c) > 1 and n not in self.spared]
+        every = [Case.of(scene.scenario, n, offered[n], self.seed, self.wording) for n in able]
+        cases = [case for case in every if len(case.places) > 1]
         if share == 1:
-            chosen = [n for n, c in enumerate(offered) if len(c) > 1]
-        else:
-            everybody = np.full(len(offered), scene.scenario.steps)
-            lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
-            exclusive = Outlooks.of(scene.scenario, offered, everybody).exclusions()
-            chosen = worth_asking(scene.usual, exclusive, share, lot).tolist()
-        cases = [Case.of(scene.scenario, n, offered[n], self.seed, self.wording) for n in chosen if n not in self.spared]
-        return [case for case in cases if len(case.places) > 1]
+            return cases
+        everybody = np.full(len(offered), scene.scenario.steps)
+        lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
+        exclusive = Outlooks.of(scene.scenario, offered, everybody).exclusions()
+        chosen = worth_asking(scene.usual, exclusive, [case.vehicle for case in cases], share, lot)
+        return [case for case in cases if case.vehicle in chosen]
 
     def _prompts(self, cases: Sequence[Case]) -> list[Prompt[Any]]:
         """A question for each case, or one for all."""
