@@ -140,15 +140,18 @@ class LanguageModel:
         if faults:
             raise faults[0]
 
-    def forecast(self, prompts: Sequence[Prompt[Any]], answer_tokens: int, times: float = 1.0) -> str:
-        """A line before a run: calls, tokens and dollars of so many `times` these questions, and where the run would stop."""
+    def forecast(self, prompts: Sequence[Prompt[Any]], answer_tokens: int, times: float = 1.0, repairs: int = 0) -> str:
+        """A line before a run: calls, tokens and dollars of so many `times` these questions, and where the run would stop.
+
+        See `estimate` for `repairs`.
+        """
         role, who = f"lm.{self.role}", self.description
         if not self._settings.model:
             return f"{role}: no language model is configured: nobody is asked"
         if self._records.mode is Mode.REPLAY:
             return f"{role}: recorded answers of {who} are replayed: nobody is asked, nothing is spent"
         requests = [self.request(prompt) for prompt in prompts]
-        one = estimate(self._settings, requests, answer_tokens, batch=self.in_batches).times(times)
+        one = estimate(self._settings, requests, answer_tokens, batch=self.in_batches, repairs=repairs).times(times)
         asked = "in batches" if self.in_batches else "one by one"
         return (
             f"{role}: {who}, {asked}: about {one.calls} calls, {one.input_tokens} tokens in, {one.output_tokens} out, dollars "

@@ -18,6 +18,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.outlook import Outlooks
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.prompt import Image, NoAnswer, Prompt
 from drivegen.questions.account import Account, odds, worth_asking
 from drivegen.questions.goals import LONGEST_RANKING, Case, Wording, about_scenario, about_vehicle
@@ -92,11 +93,13 @@ class Asking:
 
     def ahead(self, scenes: Sequence[Scene]) -> None:
         """Ask about all of them in one batch, if the role is set to that, so that `odds` finds the answers there."""
-        self.model.ask_ahead([prompt for scene in scenes for prompt in self.questions(scene)])
+        self.model.ask_ahead(self.questions(scenes)[0])
 
-    def questions(self, scene: Scene) -> list[Prompt[Any]]:
-        """What is asked about a scene at first."""
-        return self._prompts(self._cases(scene))
+    def questions(self, scenes: Sequence[Scene]) -> tuple[list[Prompt[Any]], int]:
+        """What is asked about scenes at first, and tokens of an ordinary answer: of a ranking for each vehicle in a question."""
+        cases = [self._cases(scene) for scene in scenes]
+        prompts = [prompt for of_scene in cases for prompt in self._prompts(of_scene)]
+        return prompts, RANKING_TOKENS * sum(map(len, cases)) // max(len(prompts), 1)
 
     def odds(self, scene: Scene, account: Account) -> list[NDArray[np.float32]]:
         """The model's odds where it was asked and gave an answer, the usual ones elsewhere; `account` is told.
