@@ -111,7 +111,7 @@ def _asker(folder: RoundFolder, params: Params, knowledge: Knowledge) -> Asking 
     if params.goals != "vlm" or folder.number == 0:
         return None
     role, records = read_params("lm.corner_cases", RoleSettings), read_params("lm.records", RecordSettings)
-    shown = examples(str(folder.before.collisions)) + examples(params.vlm.examples)
+    shown = folder.before.shown() + examples(params.vlm.examples)
     model = LanguageModel("corner_cases", role, records.open())
     return asking(model, params.vlm, params.seed, knowledge, shown, params.pressure.reaction_time)
 

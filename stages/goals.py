@@ -20,7 +20,6 @@ from drivegen.goals.candidates import Candidates, Settings, candidates
 from drivegen.goals.packing import pack
 from drivegen.goals.scores import Judged, judge, scene_scores, scores
 from drivegen.lm.model import LanguageModel
-from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import Selector
@@ -86,9 +85,7 @@ def _forecast(files: list[Path], selector: AskingSelector, model: LanguageModel,
     """What the calls will cost, from the questions about the first scenes."""
     total = sum(pq.read_metadata(shard).num_rows for shard in files)  # a row is a scenario
     first = [_offered(first_frame(scenario), settings) for scenario in read_shard(files[0])[:_SCENES]]
-    questions = selector.questions(first)
-    answer = RANKING_TOKENS * sum(len(scenario.vehicles) for _, scenario, _ in first) // max(len(questions), 1)
-    return model.forecast(questions, answer, total / max(len(first), 1))
+    return model.forecast(*selector.questions(first), total / max(len(first), 1))
 
 
 def _offered(scenario: Scenario, settings: Settings) -> tuple[LaneGraph, Scenario, list[Candidates]]:

@@ -16,7 +16,7 @@ from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.suite.cases import Case, outside_cases, own_cases
 from drivegen.maps.suite.table import not_measured, published
 from drivegen.maps.suite.trials import tried
-from drivegen.maps.writers.base import MapWriter
+from drivegen.maps.writers.base import ROUNDS, MapWriter
 from drivegen.store.files import write_json
 from drivegen.words.judge import traffic_lacking
 from drivegen.words.writer import asking_writer, writer_called
@@ -53,7 +53,7 @@ def main(params: Params, table: Path) -> dict[str, float]:
         model = LanguageModel("maps", role, read_params("lm.records", RecordSettings).open())
         writer = asking_writer(name, model)
         questions = writer.first_questions(case.text for case in cases)
-        print(f"map_suite, {name}: {model.forecast(questions, MAP_TOKENS)}", flush=True)
+        print(f"map_suite, {name}: {model.forecast(questions, MAP_TOKENS, repairs=ROUNDS)}", flush=True)
         with model.ledger.kept(f"map_suite-{name}"):
             model.ask_ahead(questions, sample=params.seed)
             results[name] = _measured(name, writer, cases, params.seed, costs)

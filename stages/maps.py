@@ -16,6 +16,7 @@ from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
+from drivegen.maps.writers.base import ROUNDS
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, record_rows, write_results
 from drivegen.words.writer import asking_writer, writer_called
@@ -53,7 +54,7 @@ def main(params: Params, out: Path, results: Path, table: Path) -> None:
         rows = [row for _, row in spread(_build, tasks, params.workers, "maps")]
     else:  # in one process: one budget, one list of calls
         questions = asking_writer(params.writer, model).first_questions(task.text for task in tasks)
-        print(model.forecast(questions, MAP_TOKENS), flush=True)
+        print(model.forecast(questions, MAP_TOKENS, repairs=ROUNDS), flush=True)
         with model.ledger.kept("maps"):
             model.ask_ahead(questions, sample=params.seed)
             rows = [row for _, row in spread(_build, tasks, 1, "maps")]

@@ -24,6 +24,7 @@ from drivegen.generators.base import Settings
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS, TRAFFIC_TOKENS
 from drivegen.maps.build import NETWORK, BuiltMap, build_map, build_spec
+from drivegen.maps.writers.base import ROUNDS
 from drivegen.placement.scenes import Initialiser
 from drivegen.rollout.models import Equipment
 from drivegen.store.files import write_json
@@ -177,7 +178,7 @@ def _read_wishes(order: _Order, console: Console) -> _Wishes:
 def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
     """What the questions will cost: of the traffic, and of the road where the words describe that too."""
     questions = [language_model.prompt(text), *(asking_writer(_WRITER, reader).first_questions([text] * road))]
-    announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions))
+    announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions), ROUNDS * road)
 
 
 def _road(order: _Order, wishes: _Wishes, folder: Path, console: Console) -> tuple[Network, str, str]:

@@ -14,7 +14,6 @@ from drivegen.core.scenario import TARGET
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import bounded
 from drivegen.lm.model import LanguageModel
-from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.prompt import Image, fenced
 from drivegen.questions.account import Account
 from drivegen.questions.asking import Asking, Scene, Settings
@@ -82,9 +81,7 @@ def scene_of(choice: Choices, leaning: Choices) -> Scene:
 def forecast(asking: Asking, choices: Sequence[Choices], scenarios: int) -> str:
     """What the calls about so many `scenarios` will cost, from the questions about the first FORECAST_SCENES of `choices`."""
     first = choices[:FORECAST_SCENES]
-    prompts = [prompt for choice in first for prompt in asking.questions(scene_of(choice, choice))]
-    answer = RANKING_TOKENS * sum(len(c.candidates) - 1 for c in first) // max(len(prompts), 1)
-    return asking.model.forecast(prompts, answer, scenarios / len(first))
+    return asking.model.forecast(*asking.questions([scene_of(choice, choice) for choice in first]), scenarios / len(first))
 
 
 def endanger(

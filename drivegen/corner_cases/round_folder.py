@@ -15,6 +15,8 @@ from drivegen.core.scenario import Trajectories
 from drivegen.corner_cases.collisions import Collision, in_words, picture, telling
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.rounds import Drive
+from drivegen.lm.prompt import Image
+from drivegen.questions.goals import examples
 from drivegen.store.collisions import FOLDER, Where, write_pictured
 from drivegen.store.files import write_json
 from drivegen.store.lookup import samples_in, scenario_in
@@ -41,6 +43,10 @@ class RoundFolder:
     def collisions(self) -> Path:
         """Where pictures and words are."""
         return self.path / FOLDER
+
+    def shown(self) -> tuple[str | Image, ...]:
+        """Pictures and words of collisions, as worked examples; nothing where nothing collided."""
+        return examples(str(self.collisions)) if self.collisions.is_dir() else ()
 
     @property
     def _knowledge(self) -> Path:

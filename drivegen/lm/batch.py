@@ -40,7 +40,7 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
     from pydantic_ai.models.batch import BatchRequest
     from pydantic_ai.settings import ModelSettings
 
-    line = Line(url, MOST_BYTES * len(requests))
+    line = Line(url, key, MOST_BYTES * len(requests))
     questions = [
         BatchRequest(
             custom_id=f"q{number}",
@@ -67,17 +67,18 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
             reason = "invalid-answer"
         else:
             return [_outcome(request, url, key, one) for request, one in zip(requests, results, strict=True)]
-    return [_failure(request, url, reason) for request in requests]
+    lost = int(line.accepted or line.lost > 0)  # the job may run all the same, and each of its requests be billed
+    return [_failure(request, url, reason, lost) for request in requests]
 
 
 def _outcome(request: Request, url: str, key: str, result: "ModelResponse | Exception") -> Reply | NoAnswer:
     if isinstance(result, Exception):
-        return _failure(request, url, reason_of(result))
+        return _failure(request, url, reason_of(result), lost=0)
     try:
-        return as_reply(result, key, retries=0)
+        return as_reply(result, key)
     except Exception:  # noqa: BLE001 as in `client`
-        return _failure(request, url, "invalid-answer")
+        return _failure(request, url, "invalid-answer", lost=1)
 
 
-def _failure(request: Request, url: str, reason: Reason) -> NoAnswer:
-    return NoAnswer(f"{request.model} at {endpoint(url)} gave no answer in a batch: {reason}", reason)
+def _failure(request: Request, url: str, reason: Reason, lost: int) -> NoAnswer:
+    return NoAnswer(f"{request.model} at {endpoint(url)} gave no answer in a batch: {reason}", reason, lost)

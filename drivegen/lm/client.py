@@ -26,33 +26,63 @@ _MOST_TOKENS = 2**31
 _LONGEST_WAIT = 60.0  # [s] between two attempts, whatever Retry-After says
 _TOOL = "answer"
 
+_HEADERS = {
+    "host", "connection", "accept", "accept-encoding", "content-type", "content-length", "transfer-encoding", "user-agent",
+    "anthropic-version", "anthropic-beta",
+}  # fmt: skip
+"""What goes out beside the key: the vendors' clients add what variables of the environment hold, for any server."""
+
 
 class Line:
     """The HTTP client of one call: it counts attempts and hangs up on bodies that are too long or compressed.
+
+    Attributes:
+        key: the only secret that is sent. attempts: requests so far; `lost` of them reached a server and had no whole response.
+        accepted: whether one was granted.
 
     A compressed body of allowed length could still unpack to gigabytes, so none is asked for and none is read. Redirects are
     not followed, and no proxy is used for what is not encrypted: they would take the key elsewhere.
     """
 
-    def __init__(self, url: str, most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, url: str, key: str, most_bytes: int = MOST_BYTES) -> None:
         import httpx2
 
+        self.key = key or "none"  # the vendors' clients insist on one
         self._most = most_bytes
-        self.attempts, self.too_large = 0, False
+        self.attempts, self.lost, self.accepted, self.too_large = 0, 0, False, False
         hooks: dict[str, list[Callable[..., Any]]] = {"request": [self._sent], "response": [self._received]}
-        self.http: httpx2.AsyncClient = httpx2.AsyncClient(
+        self.http: httpx2.AsyncClient = self._counting()(
             event_hooks=hooks,
             headers={"Accept-Encoding": "identity"},
             follow_redirects=False,
             trust_env=url.startswith("https:"),
         )
 
-    async def _sent(self, _request: "httpx2.Request") -> None:
+    def _counting(self) -> "type[httpx2.AsyncClient]":
+        import httpx2
+
+        line = self
+
+        class Counting(httpx2.AsyncClient):
+            async def send(self, request: httpx2.Request, **options: Any) -> httpx2.Response:
+                try:
+                    return await super().send(request, **options)
+                except BaseException as error:
+                    line.lost += not isinstance(error, (httpx2.ConnectError, httpx2.ConnectTimeout, httpx2.PoolTimeout))
+                    raise
+
+        return Counting
+
+    async def _sent(self, request: "httpx2.Request") -> None:
         self.attempts += 1
+        for name in set(request.headers) - _HEADERS:
+            del request.headers[name]
+        request.headers["Authorization"] = f"Bearer {self.key}"
 
     async def _received(self, response: "httpx2.Response") -> None:
         import httpx2
 
+        self.accepted |= response.is_success
         if response.headers.get("Content-Encoding", "identity") != "identity":
             self.too_large = True
             raise httpx2.DecodingError("compressed, which was not asked for", request=response.request)
@@ -93,7 +123,7 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
     from pydantic_ai.exceptions import AgentRunError, UserError
     from pydantic_ai.settings import ModelSettings
 
-    line = Line(url)
+    line = Line(url, key)
     reason: Reason
     async with line.http:
         try:
@@ -105,7 +135,7 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
                     model_settings=ModelSettings(max_tokens=request.max_tokens),
                     model_request_parameters=parameters_of(request),
                 )
-            return as_reply(response, key, max(0, line.attempts - 1))
+            return as_reply(response, key, max(0, line.attempts - 1), line.lost)
         except UserError:
             others = ", ".join(word for word in get_args(Output) if word != request.output)
             raise UnusableInput(f"{request.model} cannot be asked with lm output {request.output}: try {others}") from None
@@ -115,14 +145,13 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
             reason = "too-large" if line.too_large else reason_of(error)
         except Exception:  # noqa: BLE001 whatever the clients' readers make of a reply that is none
             reason = "invalid-answer"
-    raise NoAnswer(
-        f"{request.model} at {endpoint(url)} gave no answer after {line.attempts} attempts: {reason}", reason
-    ) from None
+    message = f"{request.model} at {endpoint(url)} gave no answer after {line.attempts} attempts: {reason}"
+    raise NoAnswer(message, reason, line.lost + (reason == "invalid-answer")) from None
 
 
-def as_reply(response: "ModelResponse", key: str, retries: int) -> Reply:
+def as_reply(response: "ModelResponse", key: str, retries: int = 0, lost: int = 0) -> Reply:
     """A response as plain values, without the key that a server may have repeated."""
-    return Reply(scrubbed(encodable(_text(response)), key), *_tokens(response), retries)
+    return Reply(scrubbed(encodable(_text(response)), key), *_tokens(response), retries, lost)
 
 
 def reason_of(error: Exception) -> Reason:

@@ -16,8 +16,8 @@ HIDDEN = "[key]"
 """What stands where a server repeated the key in its reply; all that is kept of a reply that holds it in disguise."""
 
 SHORTEST_SECRET = 12
-"""Letters and digits of the shortest key that is looked for in disguise, too; a shorter one, such as "none", only as it stands:
-its letters would be found in honest replies."""
+"""Letters and digits of the shortest key that is looked for; a shorter one, such as "none", is a placeholder and no secret: it
+would be found in honest replies."""
 
 LAYERS = 2
 """How many encodings may lie on top of one another."""
@@ -56,7 +56,7 @@ def scrubbed(text: str, key: str) -> str:
 
     Nothing is left of a text that holds the key in an encoding: no honest server disguises it.
     """
-    if not key:
+    if len(_plain(key)) < SHORTEST_SECRET:
         return text
     text = text.replace(key, HIDDEN)
     return HIDDEN if _is_disguised(text, key) else text
@@ -65,8 +65,6 @@ def scrubbed(text: str, key: str) -> str:
 def _is_disguised(text: str, key: str) -> bool:
     """Whether the letters and digits of the key follow one another in a reading of `text`, in either case or direction."""
     wanted = _plain(key)
-    if len(wanted) < SHORTEST_SECRET:
-        return False
     return any(wanted in plain or wanted[::-1] in plain for plain in map(_plain, _readings(text)))
 
 

@@ -43,9 +43,10 @@ class Call:
     """One call of a model, or one answer from the records; what is known only after it has a default.
 
     Attributes:
-        asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again" or why there was no answer.
-        cost: dollars as text, or "unknown"; 0 for what was replayed or is not billed. latency: [s], of a batch
-            each call's share. retries: of the transport.
+        asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again", "interrupted" or
+            why there was no answer.
+        cost: dollars as text, or "unknown", as where an attempt had no response, which may be billed all the same; 0 for what
+            was replayed or is not billed. latency: [s], of a batch each call's share. retries: of the transport.
     """
 
     role: str
@@ -89,11 +90,15 @@ class Ledger:
             self._made += 1
             self._spent += usd or 0.0
 
-    def settle(self, set_aside: float | None, usd: float | None) -> None:
-        """After that call: what it did cost; where that is unknown, what was set aside stays spent."""
-        if set_aside is not None and usd is not None:
-            with self._lock:
-                self._spent += usd - set_aside
+    def settle(self, set_aside: float | None, usd: float | None, more: int = 0) -> None:
+        """After that call: what it did cost; where that is unknown, what was set aside stays spent.
+
+        So many `more` attempts may be billed, too: each counts as a call that cost what was set aside.
+        """
+        with self._lock:
+            self._made += more
+            if set_aside is not None:
+                self._spent += more * set_aside + (0.0 if usd is None else usd - set_aside)
 
     def add(self, call: Call) -> None:
         """Note a call."""

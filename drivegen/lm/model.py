@@ -1,7 +1,8 @@
 """The seam: whoever wants something from a language model asks a `LanguageModel`, and gets a validated answer or a NoAnswer."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, cast
 
@@ -21,7 +22,6 @@ from drivegen.lm.settings import RoleSettings
 ASKED_AGAIN = 2
 """How often at most, with what was wrong, after an answer that fails validation."""
 
-_NOT_BILLED = {"no-model", "refused", "rate-limited", "server-error", "unreachable"}
 _IN_WORDS = "Answer with one JSON object and nothing else. It must satisfy this JSON Schema:\n"
 _MEND = "That answer cannot be used:\n{}\nAnswer again, whole, with this mended."
 
@@ -71,14 +71,11 @@ class LanguageModel:
         for asked in range(1 + ASKED_AGAIN):
             request = self.request(prompt, sample, turns)
             reply, row = self._reply(request, asked)
-            try:
-                answer = read(reply.text, prompt)
-            except InvalidReply as wrong:
-                self.ledger.add(replace(row, outcome="asked again" if asked < ASKED_AGAIN else "invalid-answer"))
-                turns = (*turns, Turn(reply.text, _MEND.format(wrong)))
-            else:
-                self.ledger.add(replace(row, outcome="answered"))
+            answer = self._noted(prompt, reply, row)
+            self._keep([(request, reply, row)])
+            if not isinstance(answer, Turn):
                 return answer
+            turns = (*turns, answer)
         raise NoAnswer(
             f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts (prompt {prompt.version})",
             "invalid-answer",
@@ -119,19 +116,42 @@ class LanguageModel:
         row = self._row(request, asked)
         if self._settings.model and (kept := self._records.find(request)):
             return kept, _replayed(row, kept)
-        reply, row = self._call(request, row)
-        self._records.keep(request, reply)
-        return reply, row
+        return self._call(request, row)
 
-    def forecast(self, prompts: Sequence[Prompt[Any]], answer_tokens: int, times: float = 1.0) -> str:
-        """A line before a run: calls, tokens and dollars of so many `times` these questions, and where the run would stop."""
+    def _noted(self, prompt: Prompt[A], reply: Reply, row: Call) -> A | Turn:
+        """The answer in a reply, or the turn in which it is asked for again; the row is noted, with its outcome."""
+        try:
+            answer: A | Turn = read(reply.text, prompt)
+        except InvalidReply as wrong:
+            answer = Turn(reply.text, _MEND.format(wrong))
+        again = "asked again" if row.asked < ASKED_AGAIN else "invalid-answer"
+        self.ledger.add(replace(row, outcome=again if isinstance(answer, Turn) else "answered"))
+        return answer
+
+    def _keep(self, calls: Iterable[tuple[Request, Reply | NoAnswer, Call]]) -> None:
+        """Record the replies that are new, all that can be, after their rows: what was paid for is known on a full disk, too."""
+        faults = []
+        for request, reply, row in calls:
+            try:
+                if isinstance(reply, Reply) and not row.replayed:
+                    self._records.keep(request, reply)
+            except OSError as fault:
+                faults.append(fault)
+        if faults:
+            raise faults[0]
+
+    def forecast(self, prompts: Sequence[Prompt[Any]], answer_tokens: int, times: float = 1.0, repairs: int = 0) -> str:
+        """A line before a run: calls, tokens and dollars of so many `times` these questions, and where the run would stop.
+
+        See `estimate` for `repairs`.
+        """
         role, who = f"lm.{self.role}", self.description
         if not self._settings.model:
             return f"{role}: no language model is configured: nobody is asked"
         if self._records.mode is Mode.REPLAY:
             return f"{role}: recorded answers of {who} are replayed: nobody is asked, nothing is spent"
         requests = [self.request(prompt) for prompt in prompts]
-        one = estimate(self._settings, requests, answer_tokens, batch=self.in_batches).times(times)
+        one = estimate(self._settings, requests, answer_tokens, batch=self.in_batches, repairs=repairs).times(times)
         asked = "in batches" if self.in_batches else "one by one"
         return (
             f"{role}: {who}, {asked}: about {one.calls} calls, {one.input_tokens} tokens in, {one.output_tokens} out, dollars "
@@ -162,17 +182,14 @@ class LanguageModel:
         for asked in range(1 + ASKED_AGAIN):
             left = [i for i in range(len(prompts)) if i not in answers]
             requests = [self.request(prompts[i], sample, turns[i]) for i in left]
-            for i, (reply, row) in zip(left, self._replies(requests, asked), strict=True):
-                if isinstance(reply, NoAnswer):
-                    answers[i] = reply
-                    continue
-                try:
-                    answers[i] = read(reply.text, prompts[i])
-                except InvalidReply as wrong:
-                    self.ledger.add(replace(row, outcome="asked again" if asked < ASKED_AGAIN else "invalid-answer"))
-                    turns[i] = (*turns[i], Turn(reply.text, _MEND.format(wrong)))
+            calls = [(request, *call) for request, call in zip(requests, self._replies(requests, asked), strict=True)]
+            for i, (_, reply, row) in zip(left, calls, strict=True):
+                answer = reply if isinstance(reply, NoAnswer) else self._noted(prompts[i], reply, row)
+                if isinstance(answer, Turn):
+                    turns[i] = (*turns[i], answer)
                 else:
-                    self.ledger.add(replace(row, outcome="answered"))
+                    answers[i] = answer
+            self._keep(calls)
         failure = f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts"
         return [
             answers.get(i, NoAnswer(f"{failure} (prompt {prompts[i].version})", "invalid-answer")) for i in range(len(prompts))
@@ -191,24 +208,34 @@ class LanguageModel:
             return []
         most = [self._set_aside(request, DISCOUNT) for request in requests]
         began = time.perf_counter()
-        replies = self._backend().replies(requests)
+        with self._noting_a_break(rows):
+            replies = self._backend().replies(requests)
         latency = (time.perf_counter() - began) / len(requests)  # a share each: sums over calls are the time that passed
-        calls: list[tuple[Reply | NoAnswer, Call]] = []
-        for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
-            calls.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))
-            if isinstance(reply, Reply):
-                self._records.keep(request, reply)
-        return calls
+        return [
+            (reply, self._ended(request, row, usd, reply, latency, DISCOUNT))
+            for request, row, usd, reply in zip(requests, rows, most, replies, strict=True)
+        ]
 
     def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
         most = self._set_aside(request)
         began = time.perf_counter()
         try:
-            reply = self._backend().reply(request)
+            with self._noting_a_break([row]):
+                reply = self._backend().reply(request)
         except NoAnswer as failure:
             self._ended(request, row, most, failure, time.perf_counter() - began)
             raise
         return reply, self._ended(request, row, most, reply, time.perf_counter() - began)
+
+    @contextmanager
+    def _noting_a_break(self, rows: Sequence[Call]) -> Iterator[None]:
+        """Calls that somebody breaks off (Ctrl-C) are rows, too: they are under way, and may be billed."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            for row in rows:
+                self.ledger.add(replace(row, outcome="interrupted"))
+            raise
 
     def _set_aside(self, request: Request, share: float = 1.0) -> float | None:
         """What a call could cost at most, at this share of its usual price; it is set aside now."""
@@ -222,13 +249,13 @@ class LanguageModel:
     ) -> Call:
         """The row of a call for which `most` was set aside, settled now; it lacks the outcome, but a failure's is noted."""
         if isinstance(reply, NoAnswer):
-            paid = 0.0 if reply.reason in _NOT_BILLED else None
-            self.ledger.settle(most, paid)
+            paid = None if reply.lost else 0.0
+            self.ledger.settle(most, paid, max(reply.lost - 1, 0))
             self.ledger.add(replace(row, outcome=reply.reason, latency=latency, cost=_dollars(paid)))
             return row
         cost = self._price(request, reply.input_tokens, reply.output_tokens, share)
-        self.ledger.settle(most, cost)
-        entry = replace(row, latency=latency, retries=reply.retries, cost=_dollars(cost))
+        self.ledger.settle(most, cost, reply.lost)
+        entry = replace(row, latency=latency, retries=reply.retries, cost=_dollars(None if reply.lost else cost))
         return replace(entry, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
 
     def _price(self, request: Request, tokens_in: int | None, tokens_out: int | None, share: float) -> float | None:

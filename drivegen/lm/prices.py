@@ -6,7 +6,7 @@ estimate: bytes of text over 3.5, pictures by the vendor's rule.
 
 import math
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import orjson
@@ -29,7 +29,8 @@ _UNKNOWN_IMAGE = (1024, 1024)  # [pixels] where a picture is no PNG
 class Estimate:
     """Of some calls, each answered at the first time of asking: `usd` is None where the price is unknown.
 
-    `most_usd` is what they cost if each answer is as long as it may be and all are asked for twice again.
+    `most_usd` is what they cost if each answer is as long as it may be, all are asked for twice again, and what is made of them
+    needs all repairs that it may have.
     """
 
     calls: int
@@ -67,19 +68,32 @@ def input_tokens(request: Request, backend: type[Backend]) -> int:
     return math.ceil(length / _BYTES_PER_TOKEN) + sum(backend.image_tokens(*_size(image.content)) for image in images)
 
 
-def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens: int, *, batch: bool = False) -> Estimate:
-    """What the requests would cost if each answer has about `answer_tokens`, without asking anybody; in a `batch` half."""
+def estimate(
+    settings: RoleSettings, requests: Iterable[Request], answer_tokens: int, *, batch: bool = False, repairs: int = 0
+) -> Estimate:
+    """What the requests would cost if each answer has about `answer_tokens`, without asking anybody; in a `batch` half.
+
+    So many `repairs` at most may follow an answer: the question again, with the answer and what is wrong with it, in no batch.
+    """
     backend: type[Backend] = plugins.load("lm.backends", settings.backend)
-    vendor = backend.vendor(settings.base_url)
+    share, longest = DISCOUNT if batch else 1.0, settings.max_tokens
+
+    def dollars(tokens: Sequence[int], answer: int, share: float) -> list[float | None]:
+        """Of each call: prices may depend on how long a single one is."""
+        costs = (price(settings.model, backend.vendor(settings.base_url), question, answer) for question in tokens)
+        return [None if cost is None else cost * share for cost in costs]
+
     inputs = [input_tokens(request, backend) for request in requests]
-    total, answers = sum(inputs), answer_tokens * len(inputs)
-    # Asked again, a request holds what came before: three times the question, the first reply twice, the second once.
-    longest = settings.max_tokens * len(inputs)
-    usd = price(settings.model, vendor, total, answers)
-    most = price(settings.model, vendor, 3 * total + 3 * longest, 3 * longest)
-    if batch:
-        usd, most = (None if dollars is None else dollars * DISCOUNT for dollars in (usd, most))
-    return Estimate(len(inputs), total, answers, usd, most)
+    again = [question + k * longest for question in inputs for k in range(3)]  # asked again, a request holds the replies before
+    usd = _sum(dollars(inputs, answer_tokens, share))
+    repaired = [question + longest for question in again] * repairs
+    most = _sum([*dollars(again, longest, share), *dollars(repaired, longest, 1.0)])
+    return Estimate(len(inputs), sum(inputs), answer_tokens * len(inputs), usd, most)
+
+
+def _sum(costs: Sequence[float | None]) -> float | None:
+    known = [cost for cost in costs if cost is not None]
+    return sum(known) if len(known) == len(costs) else None
 
 
 def in_dollars(usd: float | None) -> str:

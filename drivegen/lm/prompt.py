@@ -43,11 +43,12 @@ class Prompt(Generic[A]):
 
 
 class NoAnswer(DriveGenError):
-    """No usable answer came: the caller uses its fallback and counts `reason`."""
+    """No usable answer came: the caller uses its fallback and counts `reason`; `lost` attempts may be billed all the same."""
 
-    def __init__(self, message: str, reason: Reason) -> None:
+    def __init__(self, message: str, reason: Reason, lost: int = 0) -> None:
         super().__init__(message)
         self.reason: Reason = reason
+        self.lost = lost
 
 
 class OverBudget(DriveGenError):

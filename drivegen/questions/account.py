@@ -26,9 +26,9 @@ def odds(ranked: Sequence[NDArray[np.intp]], usual: NDArray[np.float32], decay: 
 
 
 def worth_asking(
-    usual: Sequence[NDArray[np.float32]], exclusive: NDArray[np.bool_], share: float, lot: float
+    usual: Sequence[NDArray[np.float32]], exclusive: NDArray[np.bool_], of: Sequence[int], share: float, lot: float
 ) -> NDArray[np.intp]:
-    """The `share` of vehicles, in order, about which the usual odds know least or whose goals matter most to others.
+    """The `share` of the vehicles `of`, in order, about which the usual odds know least or whose goals matter most to others.
 
     Uncertainty is entropy over that of a uniform choice; stake is the expected number of others whose goals exclude the
     vehicle's own, `exclusive` (Q, Q), at most 1. What is left of a whole number of vehicles is settled by `lot` in [0, 1).
@@ -39,9 +39,9 @@ def worth_asking(
     stake = np.bincount(own, p * (exclusive @ p), len(usual))
     entropy = -np.bincount(own, p * np.log(np.maximum(p, 1e-12)), len(usual))
     doubt = entropy / np.log(np.maximum(counts, 2))
-    quota = min(int(share * len(usual) + lot), len(usual))
-    chosen = np.argsort(-(doubt + np.minimum(stake, 1.0)), kind="stable")[:quota]
-    return np.sort(chosen[np.array(counts)[chosen] > 1])
+    able = np.array(of, np.intp)
+    worth = (doubt + np.minimum(stake, 1.0))[able]
+    return np.sort(able[np.argsort(-worth, kind="stable")[: int(share * len(able) + lot)]])
 
 
 @dataclass

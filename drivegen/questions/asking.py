@@ -18,6 +18,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.outlook import Outlooks
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.prompt import Image, NoAnswer, Prompt
 from drivegen.questions.account import Account, odds, worth_asking
 from drivegen.questions.goals import LONGEST_RANKING, Case, Wording, about_scenario, about_vehicle
@@ -39,8 +40,8 @@ class Settings:
         layout: "per_vehicle", a call for each (the paper's), or "per_scenario", one call with all pictures.
         pixels: side of a picture. ranked: places that it is to rank. at_once: calls at the same time.
         decay: odds of a place over those of the one ranked before it. trust: share of the odds that the ranking gets.
-        ask_when_unsure: share of vehicles that it is asked about: those where the usual odds are least certain or whose
-            goals matter most to others. knowledge: words that are put before every question. examples: a folder of worked
+        ask_when_unsure: share of vehicles with a choice that it is asked about: those where the usual odds are least certain or
+            whose goals matter most to others. knowledge: words that are put before every question. examples: a folder of worked
             examples (NAME.png, NAME.txt) that are shown before it; "" for none.
     """
 
@@ -92,11 +93,13 @@ class Asking:
 
     def ahead(self, scenes: Sequence[Scene]) -> None:
         """Ask about all of them in one batch, if the role is set to that, so that `odds` finds the answers there."""
-        self.model.ask_ahead([prompt for scene in scenes for prompt in self.questions(scene)])
+        self.model.ask_ahead(self.questions(scenes)[0])
 
-    def questions(self, scene: Scene) -> list[Prompt[Any]]:
-        """What is asked about a scene at first."""
-        return self._prompts(self._cases(scene))
+    def questions(self, scenes: Sequence[Scene]) -> tuple[list[Prompt[Any]], int]:
+        """What is asked about scenes at first, and tokens of an ordinary answer: of a ranking for each vehicle in a question."""
+        cases = [self._cases(scene) for scene in scenes]
+        prompts = [prompt for of_scene in cases for prompt in self._prompts(of_scene)]
+        return prompts, RANKING_TOKENS * sum(map(len, cases)) // max(len(prompts), 1)
 
     def odds(self, scene: Scene, account: Account) -> list[NDArray[np.float32]]:
         """The model's odds where it was asked and gave an answer, the usual ones elsewhere; `account` is told.
@@ -119,15 +122,16 @@ class Asking:
     def _cases(self, scene: Scene) -> list[Case]:
         """Vehicles that the model is asked about."""
         offered, share = scene.candidates, self.settings.ask_when_unsure
+        able = [n for n, c in enumerate(offered) if len(c) > 1 and n not in self.spared]
+        every = [Case.of(scene.scenario, n, offered[n], self.seed, self.wording) for n in able]
+        cases = [case for case in every if len(case.places) > 1]
         if share == 1:
-            chosen = [n for n, c in enumerate(offered) if len(c) > 1]
-        else:
-            everybody = np.full(len(offered), scene.scenario.steps)
-            lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
-            exclusive = Outlooks.of(scene.scenario, offered, everybody).exclusions()
-            chosen = worth_asking(scene.usual, exclusive, share, lot).tolist()
-        cases = [Case.of(scene.scenario, n, offered[n], self.seed, self.wording) for n in chosen if n not in self.spared]
-        return [case for case in cases if len(case.places) > 1]
+            return cases
+        everybody = np.full(len(offered), scene.scenario.steps)
+        lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
+        exclusive = Outlooks.of(scene.scenario, offered, everybody).exclusions()
+        chosen = worth_asking(scene.usual, exclusive, [case.vehicle for case in cases], share, lot)
+        return [case for case in cases if case.vehicle in chosen]
 
     def _prompts(self, cases: Sequence[Case]) -> list[Prompt[Any]]:
         """A question for each case, or one for all."""

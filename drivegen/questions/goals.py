@@ -100,14 +100,18 @@ class Case:
 def examples(folder: str) -> tuple[str | Image, ...]:
     """Worked examples to be shown before every question: NAME.png and NAME.txt beside it, by name; none where `folder` is "".
 
-    Raises UnusableInput where a picture has no text.
+    Raises UnusableInput where the folder is not there, or a picture has no text in UTF-8.
     """
+    if folder and not Path(folder).is_dir():
+        raise UnusableInput(f"{folder} is no folder of examples: mend the name in params.yaml, or leave it empty")
     parts: list[str | Image] = []
     for picture in sorted(Path(folder).glob("*.png")) if folder else []:
         text = picture.with_suffix(".txt")
-        if not text.is_file():
-            raise UnusableInput(f"{picture} is an example without words: put them into {text.name} beside it")
-        parts += [f"An example:\n{text.read_text()}", Image(picture.read_bytes(), "image/png")]
+        try:
+            words = text.read_text(encoding="utf-8")
+        except (FileNotFoundError, UnicodeDecodeError):
+            raise UnusableInput(f"{picture} is an example without words: put them into {text.name} beside it, in UTF-8") from None
+        parts += [f"An example:\n{words}", Image(picture.read_bytes(), "image/png")]
     return tuple(parts)
 
 

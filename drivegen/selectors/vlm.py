@@ -31,6 +31,12 @@ Offered = tuple[LaneGraph, Scenario, Sequence[Candidates]]
 """A scenario with what its vehicles are offered."""
 
 
+def asker(model: LanguageModel, settings: Settings, seed: int) -> Asking:
+    """Who asks for the likeliest goals, examples and knowledge before every question. Raises UnusableInput for no wording."""
+    told = (fenced("knowledge", settings.knowledge),) if settings.knowledge else ()
+    return Asking(model, settings, seed, (*examples(settings.examples), *told), likeliest(model.prompt_version))
+
+
 class Plugin(FirstFrameSelector):
     """The selector; `load` alone gives one that has nobody to ask, `asking` one with a model."""
 
@@ -52,9 +58,7 @@ class Plugin(FirstFrameSelector):
     @classmethod
     def asking(cls, folder: Path, model: LanguageModel, settings: Settings, seed: int) -> Self:
         """With a model to ask. Raises MissingTool where the learned selector was not trained, UnusableInput for no wording."""
-        told = (fenced("knowledge", settings.knowledge),) if settings.knowledge else ()
-        wording = likeliest(model.prompt_version)
-        return cls(Learned.load(folder), Asking(model, settings, seed, (*examples(settings.examples), *told), wording))
+        return cls(Learned.load(folder), asker(model, settings, seed))
 
     def offer(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[Candidates]:  # noqa: ARG002 protocol
         """The given ones; where a model is asked, with a place to stand at every line and behind every queue."""
@@ -74,9 +78,9 @@ class Plugin(FirstFrameSelector):
             return usual
         return self._asking.odds(Scene(scenario, candidates, usual), self.account)
 
-    def questions(self, offered: Sequence[Offered]) -> list[Prompt[Any]]:
-        """What the model would be asked at first; nothing where there is none."""
-        return [prompt for scene in self._scenes(offered) for prompt in self._asking.questions(scene)] if self._asking else []
+    def questions(self, offered: Sequence[Offered]) -> tuple[list[Prompt[Any]], int]:
+        """What the model would be asked at first, and tokens of an answer; nothing where there is none."""
+        return self._asking.questions(self._scenes(offered)) if self._asking else ([], 0)
 
     @property
     def in_batches(self) -> bool:

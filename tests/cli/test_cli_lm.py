@@ -13,6 +13,7 @@ from drivegen import cli
 from drivegen.cli import doctor
 from drivegen.core.errors import UnusableInput
 from drivegen.lm.ledger import FOLDER
+from drivegen.lm.prices import price
 from drivegen.lm.prompt import OverBudget
 from drivegen.store.scenarios import write_shard
 from tests.lm.asking import settings
@@ -70,6 +71,9 @@ def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path)
     scenes = [busy_crossing(101, f"crossing-{i}") for i in range(4)]
     write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", scenes)
     told = drivegen("estimate", "--lm", "openai:gpt-4o").output
+    whole["goals"]["vlm"]["knowledge"] = "Drivers here are patient. " * 100
+    (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {name: whole[name] for name in ("goals", "corner", "run")}))
+    knowing = drivegen("estimate", "--lm", "openai:gpt-4o").output
     (tmp_path / "data" / "scenarios" / "test" / "shard-00001.parquet").write_bytes(b"PAR1")
     with pytest.raises(UnusableInput, match=r"shard-00001\.parquet is no whole shard"):
         drivegen("estimate", "--lm", "openai:gpt-4o")
@@ -77,6 +81,7 @@ def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path)
     assert 4 < int(vehicles[1]) <= 32  # a call a vehicle
     assert int(scenario[1]) == 4  # a call a scene
     assert int(vehicles[4]) > int(scenario[4]) > 0
+    assert int(knowing.split("for goals, per_vehicle")[1].split()[4]) > int(vehicles[4]) + 500 * int(vehicles[1])
     rounds = told.split("for corner_cases; not asked as params.yaml is (corner.goals: reweighting)")[1].split()
     assert 0 < int(rounds[1]) <= 2 * 4 * 7  # two rounds with knowledge, a call a social vehicle
     assert int(rounds[4]) / int(rounds[1]) > int(vehicles[4]) / int(vehicles[1])  # each with pictures of collisions
@@ -126,7 +131,11 @@ def test_the_estimate_stands_before_a_call_that_would_cost_too_much_and_is_not_m
     )
     assert isinstance(refused.exception, OverBudget)
     [estimate] = [line for line in refused.stderr.splitlines() if line.startswith("estimate")]
-    assert re.search(r"about 1 calls, \d+ tokens in, 500 out, dollars 0\.\d+.*stops at 1e-09 dollars", estimate)
+    told = re.search(r"about 1 calls, (\d+) tokens in, 500 out, dollars 0\.\d+, at most (0\.\d+);.*stops at 1e-09 doll", estimate)
+    longest = settings().max_tokens
+    assert float(told[2]) > 4 * 3 * price(
+        "gpt-4o", "openai", int(told[1]), longest
+    )  # repaired thrice, each asked for twice again
     assert not (tmp_path / "a").exists()
     assert calls_of("map") == []
 

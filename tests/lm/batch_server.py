@@ -88,16 +88,20 @@ class BatchServer:
 
 
 @contextmanager
-def serving_batches(answers: Sequence[str | None]) -> Iterator[BatchServer]:
-    """A server of OpenAI's and Anthropic's batch protocols; None among the answers is a refusal."""
+def serving_batches(answers: Sequence[str | None], failing: str = " ") -> Iterator[BatchServer]:
+    """A server of OpenAI's and Anthropic's batch protocols; None among the answers is a refusal.
+
+    It fails where an address holds `failing`; none holds a blank.
+    """
     served = BatchServer(answers)
 
     class Handler(BaseHTTPRequestHandler):
         def _answer(self, method: str) -> None:
             body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
             protocol = served.anthropic if "/messages/batches" in self.path else served.openai
-            kind, content = protocol(method, self.path, body)
-            self.send_response(200)
+            failed = failing in self.path
+            kind, content = ("text/plain", b"") if failed else protocol(method, self.path, body)
+            self.send_response(500 if failed else 200)
             self.send_header("Content-Type", kind)
             self.send_header("Content-Length", str(len(content)))
             self.end_headers()

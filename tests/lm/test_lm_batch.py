@@ -1,11 +1,13 @@
 """Batches: many questions in one job, at half the price; each with an answer or a reason of its own."""
 
+from contextlib import nullcontext
 from datetime import timedelta
 from time import perf_counter
 from unittest.mock import Mock
 
 import pytest
 
+from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.lm import batch
 from drivegen.lm.prices import estimate, price
@@ -87,6 +89,21 @@ def test_a_batch_costs_half_in_estimates_and_before_the_call(tmp_path):
         with pytest.raises(OverBudget):
             asked.ask_many(WORDS)
     assert not server.jobs
+
+
+@pytest.mark.parametrize(
+    ("failing", "costs", "again"),
+    [("/out", ["unknown"] * 3, OverBudget), ("/files", ["0.000000"] * 3, None)],
+    ids=["its results cannot be had", "it was never taken"],
+)
+def test_a_job_that_a_vendor_took_may_be_billed_whatever_comes_after(tmp_path, monkeypatch, failing, costs, again):
+    monkeypatch.setattr(plugins.load("lm.backends", "openai"), "vendor", lambda *_: "openai")
+    with serving_batches([GOOD] * 3, failing) as server:
+        asked = model(tmp_path, server.url, model="gpt-4o", retries=0, max_usd=0.005)  # enough for one such batch
+        assert [failure.reason for failure in asked.ask_many(WORDS)] == ["server-error"] * 3
+        assert [call.cost for call in asked.ledger.calls] == costs
+        with pytest.raises(again) if again else nullcontext():
+            asked.ask_many(WORDS)
 
 
 def test_the_calls_of_a_batch_together_took_the_time_that_it_took(tmp_path):

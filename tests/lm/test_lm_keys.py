@@ -77,9 +77,11 @@ def test_the_servers_word_is_answered_from_this_machine_without_a_proxy(tmp_path
 
 @pytest.mark.parametrize("backend", ["openai", "anthropic"])
 def test_a_server_of_ones_own_never_gets_the_vendors_key(tmp_path, monkeypatch, backend):
-    names = ("OPENAI_API_KEY", "OPENAI_ADMIN_KEY", "ANTHROPIC_API_KEY", "ANTHROPIC_AUTH_TOKEN")
+    names = ("OPENAI_API_KEY", "OPENAI_ADMIN_KEY", "ANTHROPIC_API_KEY", "ANTHROPIC_AUTH_TOKEN", "OPENAI_ORG_ID")
     for name in names:
         monkeypatch.setenv(name, KEY)
+    for name in ("OPENAI_CUSTOM_HEADERS", "ANTHROPIC_CUSTOM_HEADERS"):
+        monkeypatch.setenv(name, f"X-Gateway: {KEY}\nAuthorization: Bearer {KEY}")
     with serving([Says("no", status=400)]) as server, pytest.raises(NoAnswer):
         model(tmp_path, server.url, backend=backend, output="prompted").ask(question())
     assert KEY not in str(server.headers)
@@ -137,7 +139,7 @@ def test_a_reply_without_the_key_is_kept_as_it_is(text, key):
 
 @pytest.mark.parametrize("key", ["", "none", "token-abc"])
 def test_a_placeholder_in_place_of_a_key_hides_no_reply(key):
-    reply = '{"place": 1, "reason": "it is the nearest one, %6Eo%6Ee, token abc"}'
+    reply = '{"place": 1, "reason": "it is the nearest one, none, %6Eo%6Ee, token-abc, token abc"}'
     assert scrubbed(reply, key) == reply
 
 

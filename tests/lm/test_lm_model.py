@@ -2,9 +2,11 @@
 
 import json
 import socket
+from unittest.mock import Mock
 
 import pytest
 
+from drivegen.core import plugins
 from drivegen.core.errors import MissingTool
 from drivegen.lm.prompt import NoAnswer, OverBudget, fenced
 from drivegen.lm.reading import InvalidReply, read
@@ -161,6 +163,15 @@ def test_a_server_that_is_not_there_is_a_typed_failure(tmp_path):
         with pytest.raises(NoAnswer) as failure:
             model(tmp_path, nobody, retries=0).ask(question())
     assert failure.value.reason == "unreachable"
+
+
+@pytest.mark.parametrize(("way", "ask", "words"), [("reply", "ask", question()), ("replies", "ask_many", [question()])])
+def test_a_call_that_is_broken_off_is_a_row_for_it_may_be_billed(tmp_path, monkeypatch, way, ask, words):
+    monkeypatch.setattr(plugins.load("lm.backends", "openai"), way, Mock(side_effect=KeyboardInterrupt))
+    asked = model(tmp_path, "http://127.0.0.1:9/v1")
+    with pytest.raises(KeyboardInterrupt):
+        getattr(asked, ask)(words)
+    assert [(call.outcome, call.cost) for call in asked.ledger.calls] == [("interrupted", "unknown")]
 
 
 def test_offline_is_always_a_typed_failure_and_counted(tmp_path):

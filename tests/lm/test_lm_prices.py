@@ -39,6 +39,24 @@ def test_an_estimate_counts_calls_tokens_and_dollars(tmp_path):
     assert estimate(settings("http://127.0.0.1:1/v1", model="gpt-4o"), requests, 50).usd is None
 
 
+def test_calls_are_priced_one_by_one_for_a_long_one_is_dearer(tmp_path):
+    role = settings(model="gpt-6-luna")
+    request = model(tmp_path, model="gpt-6-luna").request(question("x" * 4000))
+    one, many = (estimate(role, [request] * count, 120) for count in (1, 1000))
+    assert price("gpt-6-luna", "openai", many.input_tokens, many.output_tokens) > 1500 * one.usd
+    assert (many.usd, many.most_usd) == (pytest.approx(1000 * one.usd), pytest.approx(1000 * one.most_usd))
+
+
+def test_the_most_that_calls_cost_holds_all_repairs_which_are_in_no_batch(tmp_path):
+    role = settings(model="gpt-4o")
+    requests = [model(tmp_path, model="gpt-4o").request(question())]
+    plain, mended = (estimate(role, requests, 50, repairs=repairs) for repairs in (0, 3))
+    assert (mended.calls, mended.usd) == (plain.calls, plain.usd)
+    assert mended.most_usd > 4 * plain.most_usd  # each repair asks what was asked before, and more
+    batch = estimate(role, requests, 50, batch=True, repairs=3)
+    assert batch.most_usd == pytest.approx(mended.most_usd - plain.most_usd / 2)
+
+
 def test_a_picture_counts_by_its_size(tmp_path):
     request = model(tmp_path).request(question())
     assert input_tokens(request, OPENAI) - input_tokens(request, OFFLINE) == 2  # 64 x 32 pixels
@@ -98,6 +116,20 @@ def test_a_call_that_was_refused_costs_nothing_and_leaves_the_dollars_known(tmp_
                 asked.ask(question())
             build(tmp_path / "all.duckdb", {"calls": asked.ledger.table()})
             assert query(tmp_path / "all.duckdb", "from language_model_calls")["dollars"].to_pylist() == [dollars]
+
+
+@pytest.mark.parametrize("budget", ["max_calls", "max_usd"])
+def test_an_attempt_without_a_response_counts_against_the_budget_for_it_may_be_billed(tmp_path, monkeypatch, budget):
+    monkeypatch.setattr(OPENAI, "vendor", lambda *_: "openai")
+    request = model(tmp_path, model="gpt-4o").request(question())
+    most = price("gpt-4o", "openai", input_tokens(request, OPENAI), request.max_tokens)
+    enough_for_two = {"max_calls": {"max_calls": 2}, "max_usd": {"max_usd": 2 * most}}[budget]
+    with serving([Says(hang=True), Says(GOOD)]) as server:
+        asked = model(tmp_path, server.url, model="gpt-4o", timeout=0.5, **enough_for_two)
+        asked.ask(question())
+        assert [(call.outcome, call.cost, call.retries) for call in asked.ledger.calls] == [("answered", "unknown", 1)]
+        with pytest.raises(OverBudget):
+            asked.ask(question("another"))
 
 
 def test_lm_words_name_another_model():

@@ -1,15 +1,21 @@
 """Record and replay: a rerun calls nobody, the files are the same bytes, and what is missing is named."""
 
+from datetime import timedelta
+from errno import ENOSPC
+from unittest.mock import Mock
+
 import pytest
 from hypothesis import given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 
 from drivegen.core.errors import MissingTool
+from drivegen.lm import batch, records
 from drivegen.lm.backends.base import Reply, Request, Turn
 from drivegen.lm.prompt import DamagedRecord, NoAnswer
 from drivegen.lm.records import Mode, Records, key_of
-from tests.lm.asking import GOOD, model, question, settings
+from tests.lm.asking import GOOD, model, outcomes, question, settings
+from tests.lm.batch_server import serving_batches
 from tests.lm.chat_server import Says, serving
 
 NOBODY = "http://127.0.0.1:9/v1"
@@ -58,6 +64,24 @@ def test_nothing_is_kept_when_off(tmp_path):
     assert content(tmp_path) == {}
 
 
+def test_calls_whose_replies_find_no_room_are_rows_all_the_same_and_cost_no_other_reply(tmp_path, monkeypatch):
+    full = Mock(side_effect=[OSError(ENOSPC, "No space left on device"), None, None])
+    monkeypatch.setattr(records, "write_json", full)
+    with serving([Says(GOOD)]) as server:
+        alone = model(tmp_path, server.url)
+        with pytest.raises(OSError, match="No space"):
+            alone.ask(question())
+    assert outcomes(alone) == {"answered": 1}
+    monkeypatch.setattr(batch, "FIRST_LOOK", timedelta(milliseconds=5))
+    full.side_effect = [OSError(ENOSPC, "No space left on device"), None, None]
+    with serving_batches([GOOD] * 3) as server:
+        together = model(tmp_path, server.url)
+        with pytest.raises(OSError, match="No space"):
+            together.ask_many([question(words) for words in "abc"])
+    assert outcomes(together) == {"answered": 3}
+    assert full.call_count == 1 + 3
+
+
 def test_a_file_that_does_not_hold_what_was_recorded_is_named(tmp_path):
     with serving([Says(GOOD)]) as server:
         model(tmp_path, server.url).ask(question())
@@ -85,6 +109,6 @@ def test_the_key_depends_on_everything_that_the_reply_depends_on(tmp_path):
 def test_any_text_survives_being_kept(tmp_path_factory, text, words):
     folder = tmp_path_factory.mktemp("records")
     request = Request("m", "p", "i", (words,), (), {}, "native", settings().max_tokens, 0)
-    records = Records(folder, Mode.AUTO)
-    records.keep(request, Reply(text, 1, None, 3))
-    assert records.find(request) == Reply(text, 1, None, 0)
+    kept = Records(folder, Mode.AUTO)
+    kept.keep(request, Reply(text, 1, None, 3))
+    assert kept.find(request) == Reply(text, 1, None, 0)

@@ -17,6 +17,7 @@ from drivegen.lm import batch
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.records import Mode
 from drivegen.questions.account import Account, odds, worth_asking
+from drivegen.questions.asking import Asking, Scene
 from drivegen.questions.goals import Case, about_vehicle, examples
 from drivegen.questions.wordings import likeliest
 from drivegen.roads.graph import LaneGraph
@@ -173,21 +174,27 @@ def test_ask_when_unsure_asks_for_that_share_and_leaves_the_rest(models, tmp_pat
     assert len(server.requests) == len(changed) == 2
     assert (asked.account.asked, asked.account.unasked) == (2, 6)
     exclusive = Outlooks.of(SCENE, FOUND, np.full(len(FOUND), SCENE.steps)).exclusions()
-    assert changed == worth_asking(usual, exclusive, 0.25, 0.0).tolist()
+    assert changed == worth_asking(usual, exclusive, range(len(FOUND)), 0.25, 0.0).tolist()
     assert "25%" in asked.described
 
 
 def test_the_least_certain_and_those_that_matter_to_others_come_first():
     sure, unsure = np.float32([0.98, 0.01, 0.01]), np.float32([0.4, 0.3, 0.3])
     nobody = np.zeros((9, 9), bool)
-    assert worth_asking([sure, unsure, sure], nobody, 1 / 3, 0.0).tolist() == [1]
+    assert worth_asking([sure, unsure, sure], nobody, range(3), 1 / 3, 0.0).tolist() == [1]
     clash = nobody.copy()
     clash[0, 6] = clash[6, 0] = True
-    assert worth_asking([sure, unsure, sure], clash, 2 / 3, 0.0).tolist() == [0, 2]
-    assert worth_asking([sure, unsure], np.zeros((6, 6), bool), 0.3, 0.0).tolist() == []  # 0.6 of a vehicle: by lot
-    assert worth_asking([sure, unsure], np.zeros((6, 6), bool), 0.3, 0.5).tolist() == [1]
-    lonely = np.ones(1, np.float32)
-    assert worth_asking([lonely, sure], np.zeros((4, 4), bool), 1.0, 0.0).tolist() == [1]  # nothing to choose
+    assert worth_asking([sure, unsure, sure], clash, range(3), 2 / 3, 0.0).tolist() == [0, 2]
+    assert worth_asking([sure, unsure], np.zeros((6, 6), bool), range(2), 0.3, 0.0).tolist() == []  # 0.6 of a vehicle: by lot
+    assert worth_asking([sure, unsure], np.zeros((6, 6), bool), range(2), 0.3, 0.5).tolist() == [1]
+
+
+def test_the_share_is_of_the_vehicles_that_may_be_asked_about(tmp_path):
+    usual = [np.full(len(c), 1 / len(c), np.float32) for c in FOUND]
+    for n in range(2, len(FOUND)):
+        usual[n][:] = np.eye(len(FOUND[n]))[0]  # nothing is sure of the first two alone, which are spared
+    asker = Asking(asking.model(tmp_path), replace(SETTINGS, ask_when_unsure=0.5), 7, (), WORDING, frozenset({0, 1}))
+    assert len(asker.questions([Scene(SCENE, FOUND, usual)])[0]) == (len(FOUND) - 2) / 2
 
 
 def test_a_liking_for_low_numbers_shows_as_label_bias(models, tmp_path):
@@ -227,6 +234,11 @@ def test_worked_examples_come_before_the_question(models, tmp_path):
     (folder / "queue.png").write_bytes(asking.PIXEL)
     with pytest.raises(UnusableInput, match=r"queue\.txt"):
         examples(str(folder))
+    (folder / "queue.txt").write_bytes("The bus stands: 3 first.".encode("utf-16"))
+    with pytest.raises(UnusableInput, match=r"UTF-8"):
+        examples(str(folder))
+    with pytest.raises(UnusableInput, match="elsewhere is no folder of examples"):
+        examples(str(tmp_path / "elsewhere"))
     (folder / "queue.txt").write_text("The bus stands: 3 first.")
     with serving([says(0)]) as server:
         settings = replace(SETTINGS, examples=str(folder))

@@ -79,7 +79,8 @@ def round_one(root, models, tmp_path, monkeypatch):
     return play
 
 
-def test_a_round_leaves_pictures_of_collisions_with_words(root):
+def test_a_round_leaves_pictures_of_collisions_with_words(root, tmp_path):
+    assert RoundFolder(tmp_path / "0").shown() == ()  # one without collisions
     pictures = sorted(RoundFolder(root / "0").collisions.glob("*.png"))
     assert 0 < len(pictures) <= params_of().pictures
     for file in pictures:

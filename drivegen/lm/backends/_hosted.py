@@ -42,7 +42,7 @@ class Hosted(ABC):
         """What every vendor's client is made with."""
         return {
             "base_url": self._url,
-            "api_key": self._key or "none",  # the clients insist on one
+            "api_key": line.key,
             "timeout": self._settings.timeout,
             "max_retries": self._settings.retries,
             "http_client": line.http,

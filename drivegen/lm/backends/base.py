@@ -38,12 +38,16 @@ class Request:
 
 @dataclass(frozen=True)
 class Reply:
-    """What came back: text, the tokens it took (None unknown), and how often the transport had to try again."""
+    """What came back: text, the tokens it took (None unknown), how often the transport had to try again.
+
+    Of the attempts before, `lost` were sent and had no response: they may be billed, too.
+    """
 
     text: str
     input_tokens: int | None
     output_tokens: int | None
     retries: int
+    lost: int = 0
 
 
 class Backend(Protocol):

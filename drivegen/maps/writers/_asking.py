@@ -19,14 +19,11 @@ from drivegen.lm.prompt import NoAnswer, Prompt, fenced, is_quoted, one_line
 from drivegen.maps.checks import failures
 from drivegen.maps.examine import WrittenNetwork, examine
 from drivegen.maps.plain_xml import UnusableXml
-from drivegen.maps.writers.base import Contradictions, Understanding
+from drivegen.maps.writers.base import ROUNDS, Contradictions, Understanding
 from drivegen.sumo.netconvert import NetconvertRefused
 
 VERSION = "roads-3"
 """Of the wording; a changed wording is a new version, for recorded answers belong to the old one."""
-
-ROUNDS = 3
-"""Rounds of repair at most."""
 
 LINES = 10
 """Lines of what is wrong that go back at most."""

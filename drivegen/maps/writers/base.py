@@ -15,6 +15,10 @@ Contradictions = Callable[[str, MapSpec], list[str]]
 """What of a text a specification contradicts, as sentences."""
 
 
+ROUNDS = 3
+"""Rounds of repair by a language model at most."""
+
+
 @dataclass(frozen=True)
 class Understanding:
     """What a writer made of a description.
