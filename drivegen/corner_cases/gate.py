@@ -22,10 +22,13 @@ from drivegen.corner_cases.failures import NONE, Failures, failures, replayed_ca
 from drivegen.drivers.base import Driver
 from drivegen.metrics.paired import Finding, Paired, chance, odds
 from drivegen.simulators.batch import Plugin as Batch
-from drivegen.world.outcome import DrivingOutcome
+from drivegen.world.outcome import DrivingOutcome, with_off_road
 
 BLOCK = 4096
 """Runs that are in memory with all that is known of them."""
+
+ASTRAY = 0.01
+"""Who is off the road for so much more of its time than the other is said to be."""
 
 Futures = Sequence[tuple[Scenario, int, Trajectories]]
 """Scenarios, the number of a future of each (0 of a log), and its motion."""
@@ -47,6 +50,7 @@ class Gate:
     Attributes:
         scenarios, samples: of each run, its scenario and the number of its future there.
         collided: (2, R) whether each driver did, the old one's first. paired: what follows.
+        off_road: (2,) of all its time the share that each driver has a corner off the road.
         shares: of collisions, of the old driver, of the new one, and the latter less the former, with intervals over recordings.
     """
 
@@ -56,6 +60,7 @@ class Gate:
     collided: NDArray[np.bool_]
     paired: Paired
     shares: Sequence[Interval]
+    off_road: tuple[float, float]
 
     @property
     def finding(self) -> Finding:
@@ -72,7 +77,12 @@ class Gate:
         return "avoidable collision" if self.settings.avoidable else "counted collision"
 
     def sentence(self, old: str, new: str) -> str:
-        """The verdict on two drivers of these names."""
+        """The verdict on two drivers of these names, and whether the new one leaves the road, where it hits nobody."""
+        before, after = self.off_road
+        astray = f"; {new} is off the road for {after:.1%} of its time, {old} for {before:.1%}" if after > before + ASTRAY else ""
+        return self._verdict(old, new) + astray
+
+    def _verdict(self, old: str, new: str) -> str:
         paired, more = self.paired, self.paired.new - self.paired.old
         where = f"in {many(paired.runs, 'run')} of {many(len(paired.differences), 'recording')}"
         if self.finding == Finding.UNDECIDED:
@@ -110,6 +120,7 @@ class Gate:
             "runs": paired.runs,
             "recordings": len(differences),
             "collisions": {"old": paired.old, "new": paired.new, "only_old": paired.only_old, "only_new": paired.only_new},
+            "off_road": dict(zip(("old", "new"), self.off_road, strict=True)),
             "shares": {name: asdict(one) for name, one in zip(("old", "new", "difference"), self.shares, strict=True)},
             "chance_if_alike": {"worse": chance(differences), "better": chance(-differences)},
             "odds_over_alike": {"worse": odds(differences), "better": odds(-differences)},
@@ -132,20 +143,25 @@ def gate(old: Driver, new: Driver, futures: Futures, settings: Settings, seed: i
         raise UnusableInput("there is no scene to drive both through", reason="no-scenarios")
     traffic = [(scenario, motion) for scenario, _, motion in futures]
     blocks = [traffic[first : first + BLOCK] for first in range(0, len(traffic), BLOCK)]
-    collided = np.concatenate([_collided((old, new), block, settings.avoidable) for block in blocks], axis=1)
+    driven = [_driven((old, new), block, settings.avoidable) for block in blocks]
+    collided, off_road = (np.concatenate(parts, axis=1) for parts in zip(*driven, strict=True))
     scenarios = [scenario.scenario_id for scenario, _ in traffic]
     recordings = [recording(name) for name in scenarios]
     values = np.stack([*collided, collided[1].astype(np.int64) - collided[0]], axis=1).astype(np.float64)
     shares = bootstrap_means(values, recordings, settings.draws, rng(seed, "gate", "bootstrap"))
     paired = Paired.of(collided[0], collided[1], recordings)
-    return Gate(settings, scenarios, [k for _, k, _ in futures], collided, paired, shares)
+    return Gate(settings, scenarios, [k for _, k, _ in futures], collided, paired, shares, (*off_road.mean(axis=1).tolist(),))
 
 
-def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Trajectories]], avoidable: bool) -> NDArray[np.bool_]:
-    """(D, R) whether each driver has a collision that counts in each run."""
-    outcomes = Batch().run_each(drivers, [scenario for scenario, _ in traffic], [motion for _, motion in traffic])
+def _driven(
+    drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Trajectories]], avoidable: bool
+) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
+    """(D, R) whether each driver has a collision that counts in each run, and the share of the run that it is off the road."""
+    scenarios = [scenario for scenario, _ in traffic]
+    outcomes = Batch().run_each(drivers, scenarios, [motion for _, motion in traffic])
+    off_road = np.stack([with_off_road(outcome, scenarios).off_road for outcome in outcomes])
     if not avoidable:
-        return np.stack([outcome.counted for outcome in outcomes])
+        return np.stack([outcome.counted for outcome in outcomes]), off_road
     failed: list[Failures] = []
     for outcome, driver in zip(outcomes, drivers, strict=True):
         known = (outcomes[0], failed[0]) if failed else None
@@ -154,7 +170,7 @@ def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Traje
             return replayed_case(*traffic[run], outcome, run, driver.name)
 
         failed.append(failures(outcome, case, known))
-    return np.not_equal(np.stack(failed), NONE).astype(np.bool_)
+    return np.not_equal(np.stack(failed), NONE).astype(np.bool_), off_road
 
 
 def _to_one(value: float) -> str:

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.base import Driver, RuleDriver
+from drivegen.drivers.shared.answer import checked
 from drivegen.world.contact import outcome
 from drivegen.world.ego import Ego
 from drivegen.world.neighbours import Replayed
@@ -150,7 +151,8 @@ def _drive(driver: Driver, world: World) -> tuple[list[Ego], list[_Met]]:
     """The targets, and reactive neighbours, step by step."""
     egos, met = [world.ego], _Met.of(world)
     for _ in range(world.scenes.longest - 1):
-        world.advance(driver.act(world.observe()))
+        seen = world.observe()
+        world.advance(checked(driver.act(seen), f"driver {driver.name}", seen.speed))
         egos.append(world.ego)
         met += _Met.of(world)
     return egos, met

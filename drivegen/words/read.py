@@ -86,7 +86,8 @@ def meaning(items: Sequence[Item], choices: Choices) -> Words:
 
 def _lanes(spec: MapSpec) -> int:
     """The lanes of a carriageway, of the widest where roads meet."""
-    return max(getattr(spec.road, "lanes", 0), *(arm.lanes_in for arm in getattr(spec.road, "arms", ())), 0)
+    lanes: list[int] = [getattr(spec.road, "lanes", 0), *(arm.lanes_in for arm in getattr(spec.road, "arms", ()))]
+    return max(lanes)
 
 
 def read(text: str, seed: int, key: str = "") -> Words:

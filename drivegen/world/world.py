@@ -75,17 +75,17 @@ class World:
         return self.step >= self.scenes.steps[self.scene] - 1
 
     def observe(self) -> Observation:
-        """What the drivers see."""
+        """What the drivers see; where they are and how fast is copied, so that no driver moves itself by changing it."""
         frame, present = self.neighbours.seen(self)
         place, left, half_length, half_width, speed_along, speed_across = frame.unbind(1)
         length, width = self.size.unbind(-1)
         ego, paths = self.ego, self.paths
         return Observation(
             step=self.step,
-            along=ego.along,
-            offset=ego.offset,
-            course=ego.course,
-            speed=ego.speed,
+            along=ego.along.clone(),
+            offset=ego.offset.clone(),
+            course=ego.course.clone(),
+            speed=ego.speed.clone(),
             length=length,
             width=width,
             speed_limit=paths.speed_limit.gather(1, paths.row((ego.along + 0.5 * length)[:, None]))[:, 0],

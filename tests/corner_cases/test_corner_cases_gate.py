@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Trajectories
@@ -12,6 +13,7 @@ from drivegen.drivers import idm
 from drivegen.drivers.mutants.table import Mutant
 from drivegen.metrics.paired import Finding, Paired
 from drivegen.rollout.shipping import sample_id
+from drivegen.world.observation import Action
 from tests.checking import IDM
 from tests.scenes import drive, scenario, stack, straight_road
 
@@ -81,10 +83,29 @@ def test_the_record_names_the_runs_in_which_only_one_collided():
 def test_what_would_have_been_noticed_is_said_where_nothing_is_found():
     names = [f"run{n}" for n in range(20)]
     collided = np.array([[n % 2 == which for n in range(20)] for which in range(2)])
-    result = Gate(SETTINGS, names, [0] * 20, collided, Paired.of(*collided, names), [])
+    result = Gate(SETTINGS, names, [0] * 20, collided, Paired.of(*collided, names), [], (0.0, 0.0))
     assert result.finding == Finding.UNDECIDED
     assert result.paired.noticed(0.05) == pytest.approx(np.sqrt(20) * 2.926, rel=1e-3)
     assert "about 13 more (131%) would be noticed" in result.sentence("a", "b")
+
+
+class Evades:
+    """Drives beside the road, where nobody is."""
+
+    name = "evades"
+
+    def act(self, seen):
+        return Action(torch.zeros_like(seen.speed), torch.full_like(seen.speed, 20.0))
+
+
+def test_who_hits_nobody_because_it_leaves_the_road_is_said_to():
+    found = gate(BLIND, Evades(), [parked(f"run{n}", k) for n in range(6) for k in range(2)], SETTINGS, 7)
+    assert found.finding == Finding.BETTER
+    assert found.off_road[0] == 0
+    assert found.off_road[1] > 0.3
+    assert f"; evades is off the road for {found.off_road[1]:.1%} of its time, idm for 0.0%" in found.sentence("idm", "evades")
+    assert found.record("idm", "evades")["off_road"] == {"old": 0.0, "new": found.off_road[1]}
+    assert "off the road" not in gate(BLIND, SOUND, [parked("run")], SETTINGS, 7).sentence("a", "b")
 
 
 def test_without_scenes_there_is_nothing_to_compare():
@@ -104,6 +125,6 @@ def test_a_verdict_that_its_odds_do_not_share_is_said_without_them(sign):
     differences = sign * np.array([20] * 40 + [-20] * 23 + [0])
     collided = np.zeros((2, 1300), bool)
     paired = replace(Paired.of(*collided, [f"r{n}" for n in range(1300)]), differences=differences, new=400 + sign * 340, old=400)
-    result = Gate(SETTINGS, [], [], collided, paired, [])
+    result = Gate(SETTINGS, [], [], collided, paired, [], (0.0, 0.0))
     assert result.finding == (Finding.WORSE if sign > 0 else Finding.BETTER)
     assert "odds" not in result.sentence("a", "b")

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import read_params
 from drivegen.drivers.shared.file import FileDriver
 from drivegen.simulators.batch import Plugin as Batch
+from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
 from drivegen.world.reactive import Reaction
 from tests.scenes import drive, scenario, stack, straight_road
@@ -31,6 +33,7 @@ BAD = {
     "too_large": (GOOD.replace("0 * seen.speed", "1e300 * seen.speed.double()"), "acceleration that is no number"),
     "numpy": (GOOD.replace("seen.speed)", "seen.speed.numpy())"), "as acceleration a PyTorch tensor"),
     "numpy_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed.numpy())"), "as offset a PyTorch tensor"),
+    "steers": (GOOD.replace("seen.speed)", "seen.speed, steering=seen.speed)"), "drivers keep to paths"),
     "no_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed * float('nan'))"), "offset that is no number"),
 }
 ROAD = straight_road(600)
@@ -65,6 +68,42 @@ def test_what_it_changes_of_what_it_sees_changes_nothing(tmp_path):
     spoilt = GOOD.replace("return", "seen.speed.clamp_min_(30.0); seen.along.add_(50.0); seen.paths.length.zero_(); return")
     untouched, touched = (outcome(tmp_path, text).motion for text in (GOOD, spoilt))
     assert np.array_equal(untouched.position, touched.position)
+
+
+class Plain:
+    """A driver of the folder, whose code sees the world's own tensors: `answer` of the observation."""
+
+    name = "plain"
+
+    def __init__(self, answer):
+        self.act = answer
+
+
+@pytest.mark.parametrize(
+    ("answer", "why"),
+    [
+        (lambda seen: Action(seen.speed * float("nan")), "driver plain: .*an acceleration that is no number"),
+        (lambda seen: Action(seen.speed[:, None]), "driver plain: .*one real number for each of the 512 targets"),
+        (lambda seen: Action(seen.speed.numpy()), "driver plain: .*a PyTorch tensor"),
+        (lambda seen: seen.speed, "driver plain: .*not Tensor"),
+    ],
+)
+def test_what_a_driver_of_the_folder_answers_is_checked_too(answer, why):
+    with pytest.raises(UnusableInput, match=why):
+        Batch().run(Plain(answer), [scenario(ROAD, LOG)], [LOG])
+
+
+def test_no_driver_stops_itself_by_changing_what_it_sees():
+    def cheat(seen):
+        for own in (seen.speed, seen.along, seen.offset, seen.course):
+            own.zero_()
+        return Action(torch.zeros(len(seen.speed)))
+
+    same, cheated = (
+        Batch().run(Plain(act), [scenario(ROAD, LOG)], [LOG]).motion
+        for act in (lambda seen: Action(torch.zeros_like(seen.speed)), cheat)
+    )
+    assert np.array_equal(same.position, cheated.position)
 
 
 def test_no_driver_brakes_or_starts_harder_than_a_car_can(tmp_path):

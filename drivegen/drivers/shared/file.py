@@ -11,9 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
-import torch
-
 from drivegen.core.errors import UnusableInput
+from drivegen.drivers.shared.answer import checked
 from drivegen.world.observation import Action, Observation
 
 
@@ -35,26 +34,7 @@ class FileDriver:
             answer = self._act(copy.deepcopy(observation))  # some of it is the world's own state
         except (Exception, SystemExit) as error:  # an exit would count as a finished command
             raise UnusableInput(f"{self._path}: act(observation) fails{_where(error, self._file)}: {_what(error)}") from error
-        return self._checked(answer, observation.speed)
-
-    def _checked(self, action: Any, speed: torch.Tensor) -> Action:
-        """The answer as numbers of the kind that `speed` (S,) has."""
-        if not isinstance(action, Action):
-            kind = type(action).__name__
-            raise UnusableInput(f"{self._path}: act(observation) must return drivegen.world.observation.Action, not {kind}")
-        acceleration = self._numbers("acceleration", action.acceleration, speed)
-        return Action(acceleration, None if action.offset is None else self._numbers("offset", action.offset, speed))
-
-    def _numbers(self, name: str, value: Any, speed: torch.Tensor) -> torch.Tensor:
-        if not isinstance(value, torch.Tensor) or value.shape != speed.shape or value.is_complex():
-            raise UnusableInput(
-                f"{self._path}: act(observation) must return as {name} a PyTorch tensor with one real number for each of the"
-                f" {len(speed)} targets"
-            )
-        numbers = value.detach().to(speed)
-        if not bool(numbers.isfinite().all()):
-            raise UnusableInput(f"{self._path}: act(observation) returns an {name} that is no number")
-        return numbers
+        return checked(answer, str(self._path), observation.speed)
 
 
 def _function(path: Path) -> Callable[[Observation], Any]:
