@@ -49,4 +49,4 @@ def test_a_policy_is_trained_and_tested_by_what_the_page_shows(tmp_path, monkeyp
     shutil.copy(DOCS.parents[1] / "params.yaml", tmp_path)
     monkeypatch.chdir(tmp_path)
     exec(code, {"__name__": "mine"})
-    assert re.fullmatch(r"[\d.]+% collide, [\d.]+% at fault\n", capsys.readouterr().out)
+    assert re.fullmatch(r"[\d.]+% collide, [\d.]+% at fault by nuPlan's classes\n", capsys.readouterr().out)
