@@ -14,7 +14,6 @@ from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import Prompt
 from drivegen.lm.records import Mode
 from drivegen.lm.settings import RecordSettings, RoleSettings, overridden
-from drivegen.maps.writers.base import ROUNDS
 
 Words = Annotated[
     str | None,
@@ -52,7 +51,7 @@ def calling(command: str, name: str, words: str | None, max_usd: float | None) -
         yield client
 
 
-def announce(client: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int, repairs: int = ROUNDS) -> None:
+def announce(client: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int, repairs: int) -> None:
     """One line on stderr before the first call: calls, tokens and dollars of the questions known, and where the run stops."""
     estimate = client.forecast(questions, answer_tokens, repairs=repairs)
     plain(stderr=True).print(f"estimate    {estimate}")

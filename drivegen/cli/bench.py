@@ -16,7 +16,7 @@ from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.suite.cases import Case, outside_cases, own_cases
 from drivegen.maps.suite.table import COUNTS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
-from drivegen.maps.writers.base import MapWriter
+from drivegen.maps.writers.base import ROUNDS, MapWriter
 from drivegen.store.files import expect_file_fits, write_json
 from drivegen.words.judge import traffic_lacking
 from drivegen.words.writer import Writer, asking_writer
@@ -79,7 +79,7 @@ def maps(
     else:
         with calling("bench-maps", "maps", lm, max_usd) as model:
             writer = asking_writer(writer_of(map_mode), model)
-            announce(model, writer.first_questions(case.text for case in cases), MAP_TOKENS)
+            announce(model, writer.first_questions(case.text for case in cases), MAP_TOKENS, ROUNDS)
             results.append(_tried(writer, cases, seed))
     for one in results:
         _print(one)

@@ -71,12 +71,13 @@ def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     if not shards(_TEST):
         return [f"goals       no scenes in {_TEST}: `make run` makes the scenes that would be asked about"]
     usual = build(AskingSettings, read_section("goals.vlm"), "params.yaml: goals.vlm")
-    lines = []
-    for layout in LAYOUTS:
-        asks = asker(asking, replace(usual, layout=layout), 0)
-        scenes, times = _first_scenes(asks.wording)
-        lines += _lines(f"goals, {layout}", asking, settings, *asks.questions(scenes), times)
-    return lines
+    asks = {layout: asker(asking, replace(usual, layout=layout), 0) for layout in LAYOUTS}
+    scenes, times = _first_scenes(asks[usual.layout].wording)
+    return [
+        line
+        for layout, one in asks.items()
+        for line in _lines(f"goals, {layout}", asking, settings, *one.questions(scenes), times)
+    ]
 
 
 def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:

@@ -18,6 +18,7 @@ from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, read_back
 from drivegen.maps.refine import refine_map
+from drivegen.maps.writers.base import ROUNDS
 from drivegen.store.files import expect_file_fits, write_bytes
 from drivegen.sumo.network import read_network
 from drivegen.words.edits import edited
@@ -162,7 +163,7 @@ def _build(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd:
         return build_map(text, seed, Writer(), out)
     with calling("map", "maps", str(lm), max_usd) as model:
         writer = asking_writer(writer_of(mode), model)
-        announce(model, writer.first_questions([text]), MAP_TOKENS)
+        announce(model, writer.first_questions([text]), MAP_TOKENS, ROUNDS)
         return build_map(text, seed, writer, out)
 
 

@@ -29,7 +29,7 @@ def opened(
             f"settings are a {type(settings).__name__}: give Settings, as replace(read_params('environment', Settings))"
         )
     settings = settings or read_params(SECTION, Settings)
-    if device.startswith("cuda") and not torch.cuda.is_available():
+    if torch.device(device).type == "cuda" and not torch.cuda.is_available():
         raise UnusableInput(f"device is {device!r}, and PyTorch finds no GPU here: leave it out")
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
     traffic = list(traffic) if isinstance(traffic, Iterable) else [traffic]

@@ -75,9 +75,11 @@ class Line:
 
     async def _sent(self, request: "httpx2.Request") -> None:
         self.attempts += 1
-        for name in set(request.headers) - _HEADERS:
+        keys = (self.key, f"Bearer {self.key}")
+        for name in [name for name, value in request.headers.items() if name not in _HEADERS and value not in keys]:
             del request.headers[name]
-        request.headers["Authorization"] = f"Bearer {self.key}"
+        if not any(value in keys for value in request.headers.values()):  # a variable has put another in its place
+            request.headers["Authorization"] = keys[1]
 
     async def _received(self, response: "httpx2.Response") -> None:
         import httpx2

@@ -16,8 +16,8 @@ HIDDEN = "[key]"
 """What stands where a server repeated the key in its reply; all that is kept of a reply that holds it in disguise."""
 
 SHORTEST_SECRET = 12
-"""Letters and digits of the shortest key that is looked for; a shorter one, such as "none", is a placeholder and no secret: it
-would be found in honest replies."""
+"""Letters and digits of the shortest key that is looked for in disguise, too; a shorter one only as it stands, and if it is of
+letters or of digits alone, such as "none", not at all: honest replies would hold it."""
 
 LAYERS = 2
 """How many encodings may lie on top of one another."""
@@ -56,15 +56,23 @@ def scrubbed(text: str, key: str) -> str:
 
     Nothing is left of a text that holds the key in an encoding: no honest server disguises it.
     """
-    if len(_plain(key)) < SHORTEST_SECRET:
+    if _is_placeholder(key):
         return text
     text = text.replace(key, HIDDEN)
     return HIDDEN if _is_disguised(text, key) else text
 
 
+def _is_placeholder(key: str) -> bool:
+    """Whether servers that ask for no key are given such a one: a short word, or a number."""
+    plain = _plain(key)
+    return not plain or (len(plain) < SHORTEST_SECRET and (plain.isalpha() or plain.isdigit()))
+
+
 def _is_disguised(text: str, key: str) -> bool:
     """Whether the letters and digits of the key follow one another in a reading of `text`, in either case or direction."""
     wanted = _plain(key)
+    if len(wanted) < SHORTEST_SECRET:
+        return False
     return any(wanted in plain or wanted[::-1] in plain for plain in map(_plain, _readings(text)))
 
 

@@ -31,7 +31,7 @@ READER = "phrase table (no language model)"
 
 SAME = 1e-6
 """Covers whose costs differ by less are equally good."""
-_OUTER_LANE = re.compile(r"\bin the (?:left|right) lane\b(?! (?:next|beside|alongside))")
+_OUTER_LANE = re.compile(r"\bin the (left|right) lane\b(?! (?:next|beside|alongside))")
 """With two lanes this says where somebody is as seen from the target, with more it does not."""
 _FOREIGN = stems(
     "und mit eine einer ein der die das zwei drei vier straße kreuzung le la les une avec deux el una con dos de del"
@@ -76,7 +76,7 @@ def meaning(items: Sequence[Item], choices: Choices) -> Words:
     spec = specification(road, choices) if road.things or road.whole.facts or road.links else None
     if lit and (spec is None or '"control":"signals"' not in spec.model_dump_json()):
         raise Unfit("vehicles are said to stand at a traffic light, and no road with traffic lights is described")
-    named = {fact.value.split("_")[0] for t in traffic.things for fact in t.facts if _OUTER_LANE.search(fact.text)}
+    named = {side for thing in traffic.things for fact in thing.facts for side in _OUTER_LANE.findall(fact.text)}
     if len(named) > 1 or (named and spec is not None and _lanes(spec) > 2):
         raise Unfit(
             f"in which lane the target is nobody says: not 'in the {min(named)} lane' but 'on the {min(named)} of the target'"

@@ -330,12 +330,16 @@ def test_what_is_no_traffic_settings_or_device_is_one_sentence(kind):
     assert kind(iter([alone()]), 2, SETTINGS).num_envs == 2
 
 
-def test_many_rows_are_not_asked_for_pictures_and_a_file_is_no_folder(tmp_path):
+def test_many_rows_are_not_asked_for_pictures_and_a_file_is_no_folder(tmp_path, monkeypatch):
     with pytest.raises(UnusableInput, match="many rows have no picture"):
         DriveVectorEnv([alone()], 2, SETTINGS, render_mode="rgb_array")
-    (tmp_path / "shard-00000.parquet").touch()
-    with pytest.raises(UnusableInput, match=r"shard-00000.parquet is no folder: give one"):
-        DriveVectorEnv(tmp_path / "shard-00000.parquet", 2, SETTINGS)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data/shard-00000.parquet").touch()
+    with pytest.raises(UnusableInput, match=r"data/shard-00000.parquet is no folder: give one"):
+        DriveVectorEnv("data/shard-00000.parquet", 2, SETTINGS)
+    with pytest.raises(UnusableInput, match=r"data/shipped is no folder: run `make run` first"):
+        DriveVectorEnv("data/shipped", 2, SETTINGS)
 
 
 def test_nothing_to_drive_is_said():

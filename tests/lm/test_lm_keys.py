@@ -143,6 +143,21 @@ def test_a_placeholder_in_place_of_a_key_hides_no_reply(key):
     assert scrubbed(reply, key) == reply
 
 
+def test_a_short_key_that_is_no_word_is_hidden_as_it_stands():
+    assert scrubbed("it is token-abc123, not token abc123", "token-abc123") == f"it is {HIDDEN}, not token abc123"
+
+
+@pytest.mark.parametrize("backend", ["openai", "anthropic"])
+def test_a_variable_puts_no_other_key_in_the_place_of_ours(tmp_path, monkeypatch, backend):
+    monkeypatch.setenv("MY_KEY", KEY)
+    for name in ("OPENAI_CUSTOM_HEADERS", "ANTHROPIC_CUSTOM_HEADERS"):
+        monkeypatch.setenv(name, "Authorization: Bearer of-a-gateway\nX-Api-Key: of-a-gateway")
+    with serving([Says("no", status=400)]) as server, pytest.raises(NoAnswer):
+        model(tmp_path, server.url, backend=backend, output="prompted", key="MY_KEY").ask(question())
+    assert "of-a-gateway" not in str(server.headers)
+    assert server.headers[0]["authorization"] == f"Bearer {KEY}"
+
+
 def test_an_escaped_key_reaches_no_record(tmp_path):
     disguised = KEY.replace("-", "\\u002d")
     with serving([Says(f'{{"place": 1, "reason": "{disguised}"}}'), Says(GOOD)]) as server:

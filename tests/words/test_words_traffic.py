@@ -19,6 +19,7 @@ from drivegen.words.read import read
         ("a car next to us on the left", "There is 1 car on the left of the target vehicle."),
         ("a truck in the adjacent right lane", "There is 1 truck on the right of the target vehicle."),
         ("a truck in the right lane", "There is 1 truck on the right of the target vehicle."),
+        ("a car 30 m ahead in the left lane", "There is 1 car 30 m ahead on the left of the target vehicle."),
         ("cut-in from the left", "There is 1 vehicle coming from the left of the target vehicle cutting in."),
         ("somebody overtakes us", "There is 1 vehicle overtaking the target."),
         ("four cars, two ahead, two behind", "There are 2 cars ahead. There are 2 cars behind."),
@@ -38,6 +39,7 @@ def test_what_engineers_type_is_what_is_said_plainly(text, plain):
     "text",
     [
         "a three-lane motorway, a truck in the right lane",
+        "a three-lane motorway, a truck 30 m ahead in the right lane",
         "a two-lane motorway with a truck in the right lane and a car in the left lane",
         "a crossing with three lanes in each direction, a car ahead in the left lane",
     ],
