@@ -11,6 +11,7 @@ from drivegen.layouts.values import (
     Control,
     LaneWidth,
     Length,
+    Median,
     NoOrMoreLanes,
     Part,
     Pocket,
@@ -50,7 +51,7 @@ class Arm(Part):
     """One road that meets a crossing or a roundabout, seen from there.
 
     Turn lanes are `pocket` long, half the arm at most; those to the left or right of who comes in, as `turn_bans` are. Rings
-    have neither.
+    have neither, nor roads with a `median` between their directions [m], which nobody may drive on.
     """
 
     angle: Angle
@@ -62,12 +63,15 @@ class Arm(Part):
     right_turn_lanes: TurnLaneCount = 0
     pocket: Pocket = 60.0
     turn_bans: Annotated[tuple[Side, ...], Field(max_length=2)] = ()
+    median: Median = 0.0
     main: bool = True
 
     @model_validator(mode="after")
     def _is_a_road(self) -> "Arm":
         if self.lanes_in + self.lanes_out == 0:
             raise ValueError("an arm needs at least one lane in or out")
+        if self.median and 0 in (self.lanes_in, self.lanes_out):
+            raise ValueError("a one-way road has no median")
         return self
 
 
@@ -135,6 +139,8 @@ class Roundabout(_Arms):
         check_ring(self.ring_lanes, self.diameter)
         if any(arm.turn_bans for arm in self.arms):
             raise ValueError("who enters a roundabout may leave it anywhere: no turn can be banned")
+        if any(arm.median for arm in self.arms):
+            raise ValueError("roads that meet a roundabout have no median here")
         least = least_diameter([arm.angle for arm in self.arms], self.ring_lanes)
         if self.diameter < least:
             raise ValueError(f"{len(self.arms)} roads need a roundabout of at least {math.ceil(least)} m across")

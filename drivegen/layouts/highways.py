@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from drivegen.layouts.alignment import Alignment
-from drivegen.layouts.values import HIGHWAY_LANE, Control, Lanes, LaneWidth, Length, Part, Side, Speed
+from drivegen.layouts.values import HIGHWAY_LANE, USUAL_MEDIAN, Control, Lanes, LaneWidth, Length, Part, Side, Speed
 
 LEAST_BETWEEN = 40.0
 """Metres of plain road between two events, and behind the last one, at least."""
@@ -51,7 +51,7 @@ class Highway(Part):
     lanes: Lanes = 3
     speed: Speed = 120 / 3.6
     carriageways: Literal[1, 2] = 2
-    median: Annotated[float, Field(ge=1.0, le=60.0, allow_inf_nan=False)] = 4.0
+    median: Annotated[float, Field(ge=1.0, le=60.0, allow_inf_nan=False)] = USUAL_MEDIAN
     events: Annotated[tuple[HighwayEvent, ...], Field(max_length=8)] = ()
     both: bool = False
     lane_width: LaneWidth = HIGHWAY_LANE

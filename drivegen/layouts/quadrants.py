@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from drivegen.layouts.values import Control, Length, Part, Speed
+from drivegen.layouts.values import USUAL_MEDIAN, Control, Length, Part, Speed
 
 QUADRANTS = ("south_east", "north_east", "north_west", "south_west")
 """Counter-clockwise, as the carriageways that leave the bridge beside them head: east, north, west, south."""
@@ -52,7 +52,7 @@ class QuadrantInterchange(Part):
     ramp_speed: Speed = 60 / 3.6
     loop_radius: Annotated[float, Field(ge=25.0, le=80.0, allow_inf_nan=False)] = 45.0
     loop_speed: Speed = 40 / 3.6
-    median: Annotated[float, Field(ge=2.0, le=30.0, allow_inf_nan=False)] = 4.0
+    median: Annotated[float, Field(ge=2.0, le=30.0, allow_inf_nan=False)] = USUAL_MEDIAN
     leg_length: Length = 150.0
     control: Control | None = None
 

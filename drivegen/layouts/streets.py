@@ -14,6 +14,7 @@ from drivegen.layouts.values import (
     Lanes,
     LaneWidth,
     Length,
+    Median,
     NoOrMoreLanes,
     Part,
     Pocket,
@@ -81,7 +82,8 @@ class Junction(Part):
 class Corridor(Part):
     """A road of any line with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
 
-    Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac).
+    Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac). `median` lies
+    between its directions [m]; at roundabouts and turning places it ends.
     """
 
     kind: Literal["corridor"] = "corridor"
@@ -91,6 +93,7 @@ class Corridor(Part):
     speed: Speed = 50 / 3.6
     junctions: Annotated[tuple[Junction, ...], Field(max_length=12)] = ()
     dead_end: bool = False
+    median: Median = 0.0
     lane_width: LaneWidth = STREET_LANE
 
     @model_validator(mode="after")
@@ -99,6 +102,8 @@ class Corridor(Part):
             raise ValueError(f"junctions must be in order, at least {LEAST_ROOM:.0f} m apart and that far from the road's ends")
         if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
             raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
+        if self.lanes_back == 0 and self.median:
+            raise ValueError("a one-way road has no median")
         if self.lane_width != STREET_LANE and any(j.form == "roundabout" for j in self.junctions):
             raise ValueError("rings have lanes of their own width, so that of a road with roundabouts cannot be set")
         _ = self.crossings  # raises ValueError where a turn leads nowhere

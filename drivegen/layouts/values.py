@@ -17,6 +17,7 @@ Pocket = Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
 Turn = Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)]
 Radius = Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)]
+Median = Annotated[float, Field(ge=0.0, le=30.0, allow_inf_nan=False)]
 Coordinate = Annotated[float, Field(ge=-10000.0, le=10000.0, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
 
@@ -24,6 +25,9 @@ Control = Literal["signals", "all_way_stop", "stop", "yield", "uncontrolled"]
 """Who goes first: signals; everybody stops; the side roads stop or yield; right before left."""
 
 Side = Literal["left", "right"]
+
+USUAL_MEDIAN = 4.0
+"""Of a road that is divided, where nothing more is said [m]."""
 
 STREET_LANE, HIGHWAY_LANE = 3.2, 3.5
 """Usual widths of lanes [m]; SUMO's own is that of streets."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
+from drivegen.words.choices import Choices, is_one_way, lanes_of, median_of, speed_of, usual_speed
 from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 
 TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
@@ -77,14 +77,14 @@ def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shar
     usual = speed_of(shared) or usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
     lanes_unsaid = groups[True]["lanes"] or (0, 0)
     if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
-        lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
+        lanes_unsaid = (2 if shared.has("arterial", "divided") else 1, 0)
     length = shared.value("length") or choices.length("arms", 140, 200)
-    arms = []
+    arms, median = [], median_of(shared)
     for i, angle in enumerate(angles):
         road = groups[i in of_main]
         lanes = road["lanes"] or lanes_unsaid
         arm: Road = {"angle": angle, "speed": road["speed"] or usual, "length": road["length"] or length}
-        arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0]}
+        arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "median": road["median"] or median}
         arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road["thing"].value(name)) is not None}
         arms.append(arm | turning((shared, road["thing"]), arm, "main_turn_bans" if i in of_main else "side_turn_bans"))
     return arms
@@ -119,7 +119,7 @@ def _check_one(streets: list[Thing]) -> None:
     """Raises Unfit where something is said of one of the roads that cross, and not which one: "with a one-way street"."""
     for road in streets:
         one = road.which is None and road.value("count") in (None, 1) and not road.text.endswith("s")
-        if one and road.has("one_way", "speed", *_LANES):
+        if one and road.has("one_way", "speed", "divided", "median", *_LANES):
             raise Unfit(f"say what the other road is like, or of which roads {road.text!r} is one")
 
 
@@ -168,7 +168,7 @@ def _group(shared: Thing, roads: list[Thing], arms: int) -> dict[str, Any]:
     if lanes and lanes[1] not in (0, lanes[0]):
         raise Unfit("say of the arms how many lanes lead in and out")
     length = own.value("length")
-    return {"lanes": lanes, "speed": speed_of(own), "length": length and length / arms, "thing": own}
+    return {"lanes": lanes, "speed": speed_of(own), "median": median_of(own), "length": length and length / arms, "thing": own}
 
 
 def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing], even: bool) -> list[float]:
@@ -246,6 +246,8 @@ def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
                     road[name] = value
             if (main := arm.value("priority")) is not None:
                 road["main"] = main
+            if (median := median_of(arm)) is not None:
+                road["median"] = median
             if (lanes := lanes_of(arm, one_way=False, arms=True)) is not None:
                 road |= {"lanes_in": lanes[0], "lanes_out": lanes[1]}
             road |= turning((arm,), road)

@@ -8,6 +8,9 @@ from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 _PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
 """Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""
 
+_EACH_WAY = (" direction", " directions", " way", " ways", " side")
+"""Ends of "widens to two lanes per direction", which is said of both carriageways; "to two lanes" is said of one."""
+
 
 def highway(scene: Scene, choices: Choices) -> Road:
     """A road with carriageways of its own, and its events in the order in which they are said."""
@@ -44,7 +47,8 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
     _share_out(events, road)
     on_each = [merged(event["thing"]).value("on_each") for event in events]
-    if any(on_each) and (one_way or not all(on_each)):
+    each_way = any(fact.name == "change_to" and fact.text.endswith(_EACH_WAY) for fact in road.facts)
+    if (any(on_each) and (one_way or not all(on_each))) or (each_way and (one_way or len(events) > 1)):
         raise Unfit("say 'the same on both carriageways', or what is on one of them")
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
@@ -53,7 +57,11 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a limit of ramps is said, and no ramp")
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
-    return fields | {"median": None if one_way else median, "both": any(on_each) or road.value("both"), "events": built}
+    return fields | {
+        "median": None if one_way else median,
+        "both": any(on_each) or each_way or road.value("both"),
+        "events": built,
+    }
 
 
 def _share_out(events: list[Event], road: Thing) -> None:

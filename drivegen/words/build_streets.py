@@ -3,7 +3,7 @@
 from drivegen.words.build_crossings import TURN_LANES, said_control
 from drivegen.words.build_lines import BENT, alignment
 from drivegen.words.build_rows import Row, counted, each, places, row, spacing_of, turns_at
-from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
+from drivegen.words.choices import Choices, is_one_way, lanes_of, median_of, speed_of, usual_speed
 from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
 _SHORTEST_END = 60.0
@@ -22,7 +22,7 @@ def street(scene: Scene, choices: Choices) -> Road:
         raise Unfit("one road is drawn at a time")
     dead_end = bool(road.value("dead_end")) or any(counted(thing) for thing in scene.named("dead_end"))
     one_way = is_one_way(road)
-    lanes = lanes_of(road, one_way=one_way) or (2 if road.has("arterial") else 1,) * 2
+    lanes = lanes_of(road, one_way=one_way) or (2 if road.has("arterial", "divided") else 1,) * 2
     speed = speed_of(road) or usual_speed([road])
     for thing in (road, *scene.things):
         thing.accept("row", "evenly")
@@ -42,7 +42,7 @@ def street(scene: Scene, choices: Choices) -> Road:
     start = line.pop("start")
     for i, junction in enumerate(junctions):
         junction["position"] = start + sum(gaps[:i])
-    return {**base, "alignment": line, "junctions": junctions, "dead_end": dead_end}
+    return {**base, "alignment": line, "junctions": junctions, "dead_end": dead_end, "median": median_of(road)}
 
 
 def _line(road: Thing, choices: Choices, gaps: list[float], first: float | None) -> Road:
@@ -120,7 +120,7 @@ def _staggered(road: Thing, base: Road, things: list[Thing], sides: list[Thing],
         raise Unfit("a staggered junction stands alone along its road")
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = said_control([whole, side, road]) or "yield"
-    side.accept("both_sides")
+    side.accept("both_sides", "alternate")
     whole.accept("alternate", "arms")
     if sum(side.values("count")) > 2:
         raise Unfit("a staggered junction has two side roads")

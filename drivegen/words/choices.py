@@ -3,6 +3,7 @@
 from typing import Any
 
 from drivegen.core import seeds
+from drivegen.layouts.values import USUAL_MEDIAN
 from drivegen.words.slots import KMH
 from drivegen.words.things import Thing, Undrawable, Unfit
 
@@ -82,6 +83,12 @@ def speed_of(road: Thing) -> float | None:
     """The limit [m/s] that is said of a road."""
     speed = road.value("speed")
     return None if speed is None else float(speed)
+
+
+def median_of(road: Thing) -> float | None:
+    """The strip between the directions of a road [m], None where it is not said to be divided."""
+    divided, median = road.value("divided"), road.value("median")
+    return USUAL_MEDIAN if divided and median is None else median
 
 
 def is_one_way(road: Thing) -> bool:

@@ -123,9 +123,9 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return following in words("doing") if phrase.slots and last.value is not None else following not in words("moved")
     if phrase.name == "bends" and last.text == "turn" and end > 1 and (count := tokens[end - 2].value) is not None:
         return last.plural == (count != 1)  # "two turns"; in "two turn left, one turns right" it is a verb
-    road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and tokens[end - 2].text in ("road", "street") else None
+    road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and _ends_road(tokens[: end - 1]) else None
     if road is not None and (following in ("a", "an", "another") or (road.plural and not last.plural)):
-        return False  # "a one-way street crossing another one", "two streets crossing"
+        return False  # "a one-way street crossing another one", "two streets crossing", "three lanes each way crossing a street"
     if phrase.place != "pre":
         return last.text not in ("minor", "major") or following in _STOPS or tokens[end].value is not None
     counted = end + 1 < len(tokens) and tokens[end].value is not None
@@ -133,6 +133,12 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     before_noun = following not in _STOPS and (not counted or counts or phrase.name in _BEFORE_NUMBERS)
     noun = last.plural and phrase.name != "place"  # in "the ego follows two cars" it is a verb
     return not noun and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
+
+
+def _ends_road(tokens: Sequence[Token]) -> bool:
+    """Whether what is said of a road may end here: "street", "lanes each way"."""
+    each = len(tokens) > 1 and tokens[-2].text in ("each", "per", "either", "every")
+    return tokens[-1].text in ("road", "street", "avenue") or (each and tokens[-1].text in ("way", "direction"))
 
 
 def _few(covers: list[Cover]) -> list[Cover]:

@@ -110,13 +110,15 @@ def _country_roads(scene: Scene) -> None:
     if scene.there("interchange", "cloverleaf", *EVENTS):
         return
     crossed = scene.there("crossing", "roundabout", "side", "cross", "staggered")
-    crossed |= scene.there("street", "main") and bool(scene.links & {"crosses", "meets"})
+    divided = any(thing.name == "highway" and thing.has("divided") for thing in scene.things)
+    crossed |= (divided or scene.there("street", "main")) and bool(scene.links & {"crosses", "meets"})
     for thing in scene.things:
         said = {(fact.name, fact.value) for fact in (*thing.facts, *scene.whole.facts)}
         small = {("setting", "rural"), ("lanes_each", 1)} <= said
-        if thing.name == "highway" and "highway" in thing.text and (crossed or small):
+        ordinary = (crossed and thing.has("divided")) or ("highway" in thing.text and (crossed or small))
+        if thing.name == "highway" and ordinary:
             thing.name = "street"
-            if not any(name == "setting" for name, _ in said):
+            if "highway" in thing.text and not any(name == "setting" for name, _ in said):
                 thing.facts.append(Fact("setting", "rural", thing.text, ()))
 
 
@@ -150,8 +152,9 @@ def _builder(scene: Scene) -> Builder:
         or facts & {"splits", "joins", "splits_each", "joins_each", "branch_lanes"}
     ) and not (scene.there("crossing", "roundabout")):
         return fork
-    places = scene.there("crossing", "roundabout", "staggered")
-    if not places and (scene.there("highway", *EVENTS) or facts & {*EVENT_FACTS, "divided"}):
+    places = scene.there("crossing", "roundabout", "staggered") or "shape" in facts
+    plain = not (scene.there("side", "cross") or _meeting(scene))
+    if not places and (scene.there("highway", *EVENTS) or facts & set(EVENT_FACTS) or ("divided" in facts and plain)):
         return highway
     if scene.there("staggered") or _in_a_row(scene):
         return street

@@ -111,7 +111,12 @@ def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) ->
         same = arm.lanes_in == arm.lanes_out
         facts: list[FieldValue] = [("angle", arm.angle if arm.angle != angle else None)]
         facts += [("lanes_each", arm.lanes_in)] if same else _fields(arm, "lanes_in", "lanes_out")
-        facts += [*_fields(arm, "speed", "length"), *_turn_lanes(arm), *(("turn_bans", side) for side in arm.turn_bans)]
+        facts += [
+            *_fields(arm, "speed", "length"),
+            ("median", arm.median or None),
+            *_turn_lanes(arm),
+            *(("turn_bans", side) for side in arm.turn_bans),
+        ]
         items.append([*facts, ("priority", arm.main if arm.main != priority else None)])
     return _grouped("Every arm has", "The {} arm has", items)
 
@@ -160,7 +165,7 @@ def _line(line: Alignment) -> list[FieldValue]:
 
 def _corridor(road: Corridor) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes_back), ("speed", road.speed), *_line(road.alignment)]
-    road_itself = sentence("A road with", *facts, ("dead_end", road.dead_end or None))
+    road_itself = sentence("A road with", *facts, ("median", road.median or None), ("dead_end", road.dead_end or None))
     return [road_itself, *_along_it([(junction.form, _junction(junction)) for junction in road.junctions])]
 
 

@@ -20,6 +20,7 @@ ARC = st.tuples(st.floats(-280, 280), st.floats(12, 3000))
 SIDES = st.sampled_from([["left"], ["right"], ["left", "right"]])
 FORK = {"kind": st.just("fork"), "lanes": st.just(2), "length": LENGTH, "stem": st.none() | LENGTH, "joins": st.booleans()}
 ARM = st.fixed_dictionaries({"lanes_in": st.integers(1, 3), "speed": SPEED})
+MEDIAN = st.just(0.0) | st.floats(0, 30)
 JUNCTION = st.fixed_dictionaries(
     {
         "sides": SIDES,
@@ -66,15 +67,24 @@ def test_any_ring_is_built_or_is_told_its_least_size(arms: list[Any], diameter: 
         assert build_and_look(road, left_hand).roundabouts == (len(arms),)
 
 
-@given(st.lists(JUNCTION, min_size=1, max_size=4), st.floats(85, 400), st.integers(1, 3), st.integers(0, 3), SPEED, st.booleans())
+@given(
+    st.lists(JUNCTION, min_size=1, max_size=4),
+    st.floats(85, 400),
+    st.integers(1, 3),
+    st.integers(0, 3),
+    MEDIAN,
+    SPEED,
+    st.booleans(),
+)
 @FEW
 def test_any_corridor_with_turn_lanes_is_built(
-    junctions: list[Any], apart: float, lanes: int, lanes_back: int, speed: float, left_hand: bool
+    junctions: list[Any], apart: float, lanes: int, lanes_back: int, median: float, speed: float, left_hand: bool
 ) -> None:
     row = [{**junction, "position": apart * (i + 1)} for i, junction in enumerate(junctions)]
     if not lanes_back:
         row = [{**junction, "form": "crossing"} for junction in row]
     road = {"kind": "corridor", "alignment": {"length": apart * (len(row) + 1)}, "junctions": row, "speed": speed}
+    road["median"] = median if lanes_back else 0.0
     network = build_and_look({**road, "lanes": lanes, "lanes_back": lanes_back}, left_hand)
     assert sorted([*network.arms, *network.roundabouts]) == sorted(2 + len(junction["sides"]) for junction in row)
 

@@ -19,6 +19,7 @@ speeds = st.one_of(st.integers(10, 150).map(lambda v: v * KMH), st.integers(10, 
 lengths = st.integers(60, 900).map(float)
 controls = st.sampled_from(CONTROLS)
 bans = st.sampled_from(((), (), ("left",), ("right",), ("left", "right")))
+medians = st.sampled_from((0, 0, 2, 7.5))
 widths = st.sampled_from((3.2, 3.5, 3.0, 2.75))
 
 
@@ -43,6 +44,7 @@ def arms(draw, count, pockets=True):
             "lanes_out": draw(st.sampled_from((n, 1))),
         }
         around |= {f"lanes_{'out' if one_way == 'in' else 'in'}": 0} if one_way else {}
+        around |= {"median": float(draw(medians))} if pockets and not one_way else {}
         ways.append(around | (draw(turnings()) | {"turn_bans": draw(bans)} if pockets else {}))
     return tuple(ways)
 
@@ -85,6 +87,7 @@ def corridors(draw):
     if draw(st.booleans()):
         return {**road, **width, "lanes_back": draw(st.sampled_from((0, back))), "alignment": draw(lines())}
     places = [200.0 + 180.0 * i + draw(st.integers(0, 60)) for i in range(draw(st.integers(1, 4)))]
+    road["median"] = float(draw(medians))
     return {**road, "junctions": [draw(junctions(place)) for place in places], "dead_end": draw(st.booleans())}
 
 

@@ -115,7 +115,8 @@ def _open(
     back = way[0].startswith("-")
     ahead, behind = (line[::-1], line) if back else (line, line[::-1])
     lanes, others = (spec.lanes_back, spec.lanes) if back else (spec.lanes, spec.lanes_back)
-    edge, far = -spec.lane_width * _most_left(spec, back), -spec.lane_width * _most_left(spec, not back)
+    others = 0 if spec.median else others
+    edge, far = -_clear(spec, back), -_clear(spec, not back)
     at = lines.length(line) - cut.along if back else cut.along
     beyond = spec.lane_width * others - far if others else edge
     opening = Opening(ahead, at, half, lanes, spec.lane_width, edge, beyond, more)
@@ -133,7 +134,7 @@ def _place(node: str, line: lines.Line, along: float) -> Place:
 def _shape(spec: Corridor, line: lines.Line, source: Place, target: Place, more: TurnLanes, back: bool) -> tuple[Point, ...]:
     """The left edge of a piece of the main road, empty where that is the straight way between its nodes."""
     order = -1 if back else 1
-    if not spec.junctions:
+    if not (spec.junctions or spec.median):
         return lines.points(line[::order])
     marks = np.array(_edge_marks(spec, source, target, more, back) or [(source.along, 0.0), (target.along, 0.0)])
     if len(line) == _STRAIGHT and not marks[:, 1].any():
@@ -149,24 +150,24 @@ def _shape(spec: Corridor, line: lines.Line, source: Place, target: Place, more:
 def _edge_marks(spec: Corridor, source: Place, target: Place, more: TurnLanes, back: bool) -> tuple[tuple[float, float], ...]:
     """How far the left edge of a piece of the main road lies to the left of the road's middle: (distance along, left) [m].
 
-    Empty where no left-turn lane opens. Where some do, the lanes that go on keep clear of the middle by as many lanes all along
-    the road, so that nobody swerves; only ahead of a ring and of a turning place they come back to the middle, and behind
+    Empty where no left-turn lane opens and no median lies. Else the lanes that go on keep clear of the middle by as much all
+    along the road, so that nobody swerves; only ahead of a ring and of a turning place they come back to the middle, and behind
     them they leave it.
     """
-    most = _most_left(spec, back)
-    if not most:
+    if not (most := _clear(spec, back)):
         return ()
     start, end = source.along, target.along
-    clear = (most - more.left) * spec.lane_width * (1.0 if back else -1.0)
+    clear = (most - more.left * spec.lane_width) * (1.0 if back else -1.0)
     taper = min(_TAPER, abs(end - start) / 3) * (1.0 if end > start else -1.0)
     first = [(start, 0.0), (start + taper, clear)] if _is_narrow(spec, source) else [(start, clear)]
     last = [(end - taper, clear), (end, 0.0)] if _is_narrow(spec, target) else [(end, clear)]
     return (*first, *last)
 
 
-def _most_left(spec: Corridor, back: bool) -> int:
-    """Left-turn lanes of one direction where it has most of them."""
-    return max((spec.turn_lanes(i, back).left for i in range(len(spec.junctions))), default=0)
+def _clear(spec: Corridor, back: bool) -> float:
+    """How far the lanes of one direction that go on keep from the road's middle [m]: half the median, and all left-turn lanes."""
+    most = max((spec.turn_lanes(i, back).left for i in range(len(spec.junctions))), default=0)
+    return spec.lane_width * most + spec.median / 2
 
 
 def _is_narrow(spec: Corridor, place: Place) -> bool:

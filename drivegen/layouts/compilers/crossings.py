@@ -82,29 +82,37 @@ def add_arm(
     start = np.asarray(at)
     far = start + arm.length * direction
     plain.nodes.append(Node(name, float(far[0]), float(far[1])))
-    priority = MAIN if arm.main else MINOR
     left, right, length = pockets
+    line, half, apart = np.stack([far, start]), min(HALF_OPENING, (arm.length - length) / 4), arm.median / 2
+
+    def edge(of: str, a: str, b: str, lanes: int, shape: tuple[Point, ...]) -> None:
+        plain.edges.append(Edge(f"{name}_{of}", a, b, lanes, arm.speed, MAIN if arm.main else MINOR, shape))
+
     if left + right == 0:
         if arm.lanes_out:
-            plain.edges.append(Edge(f"{name}_out", node, name, arm.lanes_out, arm.speed, priority))
+            edge("out", node, name, arm.lanes_out, _beside(line[::-1], 0.0, arm.length, apart))
         if arm.lanes_in:
-            plain.edges.append(Edge(f"{name}_in", name, node, arm.lanes_in, arm.speed, priority))
+            edge("in", name, node, arm.lanes_in, _beside(line, 0.0, arm.length, apart))
         return f"{name}_in" if arm.lanes_in else None
-    line, half = np.stack([far, start]), min(HALF_OPENING, (arm.length - length) / 4)
     # The through lanes keep clear of the middle, so that left pockets open there and nobody swerves.
-    edge, beyond = -width * left, width * arm.lanes_out if arm.lanes_out else -width * left
-    opening = Opening(line, arm.length - length - half, half, arm.lanes_in, width, edge, beyond, pockets)
+    kept, others = -width * left - apart, 0 if apart else arm.lanes_out  # the node is not paved across a median
+    opening = Opening(
+        line, arm.length - length - half, half, arm.lanes_in, width, kept, width * others if others else kept, pockets
+    )
     plain.nodes.append(opening.node(f"{name}_p"))
     if arm.lanes_out:
-        plain.edges.append(Edge(f"{name}_out", node, f"{name}_p", arm.lanes_out, arm.speed, priority))
-        plain.edges.append(Edge(f"{name}_away", f"{name}_p", name, arm.lanes_out, arm.speed, priority))
-    approach = lines.part(line, 0.0, opening.at, edge)
-    plain.edges += [
-        Edge(f"{name}_in", name, f"{name}_p", arm.lanes_in, arm.speed, priority, lines.points(approach)),
-        Edge(f"{name}_pocket", f"{name}_p", node, arm.lanes_in + left + right, arm.speed, priority),
-    ]
+        cut = arm.length - opening.at
+        edge("out", node, f"{name}_p", arm.lanes_out, _beside(line[::-1], 0.0, cut, apart))
+        edge("away", f"{name}_p", name, arm.lanes_out, _beside(line[::-1], cut, arm.length, apart))
+    edge("in", name, f"{name}_p", arm.lanes_in, lines.points(lines.part(line, 0.0, opening.at, kept)))
+    edge("pocket", f"{name}_p", node, arm.lanes_in + left + right, _beside(line, opening.at, arm.length, apart))
     plain.connections += opening.connections(f"{name}_in", f"{name}_pocket")
     return f"{name}_pocket"
+
+
+def _beside(line: lines.Line, start: float, end: float, apart: float) -> tuple[Point, ...]:
+    """The left edge of lanes that keep `apart` [m] from the middle of the road, empty where they do not."""
+    return lines.points(lines.part(line, start, end, -apart)) if apart else ()
 
 
 def assign_lanes(plain: PlainNetwork, crossing: Crossing, here: int, edge: str, exits: Sequence[str]) -> None:

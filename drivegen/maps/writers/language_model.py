@@ -25,6 +25,7 @@ Fields and limits:
   false of arms that give way or stop where "control" is "yield" or "stop", i.e. of the side road. "left_turn_lanes" and
   "right_turn_lanes" are numbers, "pocket" is their length; so many need a road with as many lanes to turn into. "turn_bans" are
   the turns, "left" or "right", that who comes in over an arm may not make.
+- "median" lies between the directions of a divided road; 0 is none. One-way roads and arms of roundabouts have none.
 - "lane_width" is that of all lanes of the map.
 - "control": "signals", "all_way_stop" (everybody stops), "stop" or "yield" (side roads do), "uncontrolled" (right before left).
 - "diameter" is that of a ring's outer edge: {SMALLEST_RING:g} m at least with one lane, {SMALLEST_WIDE_RING:g} m with more.
