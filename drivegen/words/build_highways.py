@@ -48,6 +48,8 @@ def highway(scene: Scene, choices: Choices) -> Road:
     _share_out(events, road)
     on_each = [merged(event["thing"]).value("on_each") for event in events]
     each_way = any(fact.name == "change_to" and fact.text.endswith(_EACH_WAY) for fact in road.facts)
+    if each_way and "highway" not in names:
+        raise Unfit("lanes that begin or end in both directions are drawn of highways only: say 'a divided road'")
     if (any(on_each) and (one_way or not all(on_each))) or (each_way and (one_way or len(events) > 1)):
         raise Unfit("say 'the same on both carriageways', or what is on one of them")
     line = alignment(road, choices, (800, 1200), radius=250.0)
