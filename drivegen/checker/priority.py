@@ -25,6 +25,7 @@ STOP_APPROACH = 5.0
 AMBIGUOUS = 0.4
 """Sibling lanes are told apart by a mean distance greater than this [m]."""
 
+_ASIDE = 10.0  # [m]: who is before the line and no farther beside it than this comes towards it
 _FARTHEST_STEP = 8.0  # [m]: 60 m/s, and a car that turns its front towards the line
 _POINT_RADIUS = 0.3
 _ALIGNED = 0.7
@@ -40,17 +41,17 @@ def _front(position, heading, gate, direction, length):  # type: ignore[no-untyp
 
 @njit(cache=True)
 def _passes(position, heading, valid, length, gate, direction):  # type: ignore[no-untyped-def]
-    """The step at which a vehicle that was seen before the gate is first beyond it, or -1."""
+    """The step at which a vehicle that was seen before the gate is beyond it, or -1."""
     behind, t = False, 0
     while t < valid.shape[0]:
         if not valid[t]:
             t += 1
             continue
         along, aside, cosine = _front(position[t], heading[t], gate, direction, length)
-        if along >= LINE_MARGIN:
-            return t if behind and aside < HALF_WIDTH and cosine > _ALIGNED else -1
-        behind = True
-        t += 1 + int(min((LINE_MARGIN - along) / _FARTHEST_STEP, valid.shape[0]))  # it can't be there earlier
+        if along >= LINE_MARGIN and behind and aside < HALF_WIDTH and cosine > _ALIGNED:
+            return t
+        behind = along < LINE_MARGIN and aside < _ASIDE  # who is beyond the line far aside of it may yet come round a bend
+        t += 1 + int(min(abs(along - LINE_MARGIN) / _FARTHEST_STEP, valid.shape[0]))  # it can't be on its other side earlier
     return -1
 
 

@@ -165,9 +165,18 @@ def _direction(turn: Floats) -> NDArray[np.uint8]:
     return np.where(size < ALONG, Direction.SAME, np.where(size > AGAINST, Direction.OPPOSITE, sideways)).astype(np.uint8)
 
 
+def seen_since(valid: NDArray[np.bool_], step: NDArray[np.integer]) -> NDArray[np.intp]:
+    """The step from which on vehicles (..., T) are seen without a gap until `step` (...); LOOK_BACK before it at the earliest."""
+    gap = np.maximum.accumulate(np.where(valid, -1, np.arange(valid.shape[-1])), axis=-1)
+    behind = np.take_along_axis(gap, step[..., None], axis=-1)[..., 0] + 1
+    return np.minimum(np.maximum(behind, step - LOOK_BACK), step)
+
+
 def _behaviour(social: Trajectories, step: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Behaviour over LOOK_BACK steps before `step` (...): the first that fits of standing, turns, shifts, braking, straight."""
-    since = np.maximum(step - LOOK_BACK, 0)
+    """Behaviour over LOOK_BACK steps before `step` (...), fewer where a track begins: the first that fits of standing, turns,
+    shifts, braking, straight.
+    """
+    since = seen_since(social.valid, step)
 
     def at(values: Floats, when: NDArray[np.integer]) -> Floats:
         return np.take_along_axis(values, when[..., None], axis=-1)[..., 0]

@@ -15,7 +15,7 @@ from drivegen.core.roadmap import NO_LANE
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.cue import WANDER
-from drivegen.corner_cases.encounters import AGAINST, ALONG, LOOK_BACK, TURNED, Behaviour, Direction, encounters
+from drivegen.corner_cases.encounters import AGAINST, ALONG, LOOK_BACK, TURNED, Behaviour, Direction, encounters, seen_since
 from drivegen.roads.graph import LaneGraph
 from drivegen.world.outcome import CollisionKind
 
@@ -65,11 +65,11 @@ def meeting(case: Case) -> Meeting:
     other = other.until(case.step + 1)
     met = encounters(own, own_size, other[np.newaxis], size[np.newaxis])
     mirrored = encounters(other, size, own[np.newaxis], own_size[np.newaxis])
-    since = max(case.step - LOOK_BACK, 0)
+    since = int(seen_since(other.valid, np.asarray(case.step)))
     before = float(wrap_angle(np.asarray(other.heading[since] - own.heading[since])))
     return Meeting(
         Direction(int(met.direction[0])),
-        bool(other.valid[since]) and abs(before) > AGAINST,
+        abs(before) > AGAINST,
         Behaviour(int(met.behaviour[0])),
         Behaviour(int(mirrored.behaviour[0])),
     )
@@ -99,7 +99,8 @@ def kind_of(case: Case) -> Kind:
 
 def _against(case: Case) -> Kind:
     """Of two that came towards one another. Who has only begun to turn when it is hit turns: its way afterwards says so."""
-    other, own, since = case.other[0], case.traffic[TARGET], max(case.step - LOOK_BACK, 0)
+    other, own = case.other[0], case.traffic[TARGET]
+    since = int(seen_since(other.valid, np.asarray(case.step)))
     after = int(np.flatnonzero(other.valid[: case.step + LOOK_BACK + 1])[-1])
     if _turns_from(other, since, case.step, own):
         return Kind.ONCOMING_TURN
@@ -136,8 +137,9 @@ def _beside(case: Case) -> float | None:
 
     Who follows a bend turns with it, and who changes lanes slowly turns by as much as one who comes from another road.
     """
-    before, other = max(case.step - LOOK_BACK, 0), case.other[0]
-    if not other.valid[before] or (beside := _alongside(case.traffic[TARGET], other.position[before])) is None:
+    other = case.other[0]
+    before = int(seen_since(other.valid, np.asarray(case.step)))
+    if (beside := _alongside(case.traffic[TARGET], other.position[before])) is None:
         return None
     offset, heading = beside
     turned = abs(float(wrap_angle(np.asarray(other.heading[before] - heading))))
@@ -155,7 +157,7 @@ def _alongside(mover: Trajectories, place: Floats) -> tuple[float, float] | None
 
 def _sideways(case: Case) -> tuple[float, float]:
     """[m] that the other, and the target, have come nearer to one another across the lane."""
-    steps = [max(case.step - LOOK_BACK, 0), case.step]
+    steps = [int(seen_since(case.other[0].valid, np.asarray(case.step))), case.step]
     at, own_heading = case.driven.position[steps[1:]], case.driven.heading[steps[1:]]
     lane, nearest = LaneGraph.of(case.scenario.map).nearest(at, own_heading, radius=LANE_WIDTH, max_angle=ALONG)
     heading = float(nearest[0, 2] if lane[0] != NO_LANE else own_heading[0])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.geometry import Floats, to_vehicle_frame, wrap_angle
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 
@@ -96,18 +96,26 @@ def manoeuvre(motion: Trajectories) -> str:
 
 def road_kind(roads: RoadMap, signalised: NDArray[np.bool_], path: Trajectories) -> str:
     """Kind of road under the valid steps of one vehicle's path (T,); `signalised` (L,) are lanes behind a signal."""
-    places = path.position[path.valid][::5]
-    lane = np.repeat(np.arange(len(roads)), np.diff(roads.centreline.start))
-    gap = ((roads.centreline.points[:, None] - places[None]) ** 2).sum(-1).min(axis=1, initial=np.inf)
-    near = np.zeros(len(roads), np.bool_)
-    near[lane[gap < ON_LANE**2]] = True
-    near &= roads.for_vehicles
+    near = _lanes_near(roads, path.position[path.valid][::5]) & roads.for_vehicles
     if (near & signalised).any():
         return "signalised junction"
     if (near & roads.in_junction).any():
         return "junction"
     limits = roads.speed_limit[near]
     return "fast road" if np.isfinite(limits).any() and np.nanmax(limits) >= FAST else "road"
+
+
+def _lanes_near(roads: RoadMap, places: Floats) -> NDArray[np.bool_]:
+    """(L,) whether a lane's centreline, which may have a point every hundred metres only, comes near any of `places` (P, 2)."""
+    points = roads.centreline.points
+    lane = np.repeat(np.arange(len(roads)), np.diff(roads.centreline.start))
+    pieces = np.flatnonzero(lane[1:] == lane[:-1])
+    start, along = points[pieces, None], (points[1:] - points[:-1])[pieces, None]
+    share = ((places - start) * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-9)
+    gap = ((places - start - np.clip(share, 0.0, 1.0)[..., None] * along) ** 2).sum(-1).min(axis=1, initial=np.inf)
+    near = np.zeros(len(roads), np.bool_)
+    near[lane[pieces[gap < ON_LANE**2]]] = True
+    return near
 
 
 def conflict_type(motion: Trajectories) -> str:

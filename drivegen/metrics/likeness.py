@@ -121,7 +121,8 @@ def _lane_changes(graph: LaneGraph, raw: Trajectories, motion: Trajectories) -> 
         length = float(np.hypot(*step.T).sum())
         if length < SHORTEST_TRACK:
             continue
-        route = match_route(graph, track.position[track.valid], track.heading[track.valid], beyond=0.0)
+        seen = smooth.valid  # changes are looked for on the kilometres that are counted
+        route = match_route(graph, track.position[seen], track.heading[seen], beyond=0.0)
         if route is not None:
             changes, metres = changes + route.lane_changes, metres + length
     return changes, metres / 1000

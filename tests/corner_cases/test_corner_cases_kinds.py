@@ -20,6 +20,7 @@ ONCOMING, TURNING = joined(CROSSING, 2, 14, 6), joined(CROSSING, 2, 15, 7)
 FROM_RIGHT, FROM_LEFT = joined(CROSSING, 1, 11, 5), joined(CROSSING, 3, 17, 7)
 JOINING = joined(CROSSING, 1, 13, 4)
 BACK = LINE[::-1].copy()
+FIELDS = ("position", "heading", "velocity", "valid")
 
 SCENES = {
     Kind.CUT_IN: (drive(LINE, 20, 14, 101), shifting(NEXT, 50, 8, 2.0, 2.0)),
@@ -114,3 +115,17 @@ def test_the_sentence_says_what_happens_and_how_much_time_there_was():
         "It can be seen coming 3.0 s before and avoided until 1.2 s before: 1.8 s to react."
     )
     assert "no longer" in Judgement(case, Kind.STANDING, too_late, too_late, {}).sentence
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_a_gap_in_the_track_of_the_other_says_nothing_of_what_it_did(kind):
+    roads = {"roads": CROSSING} if kind in list(SCENES)[5:] else {}
+    case = collision(stack(list(SCENES[kind])), **roads)
+    seen, scrambled = (replace(case.traffic, **{name: getattr(case.traffic, name).copy() for name in FIELDS}) for _ in range(2))
+    for motion in (seen, scrambled):
+        motion.valid[1, case.step - 31 : case.step - 8] = False
+    scrambled.position[1, ~scrambled.valid[1]] = 0.0
+    scrambled.heading[1, ~scrambled.valid[1]] = 3.0
+    scrambled.velocity[1, ~scrambled.valid[1]] = 0.0
+    assert meeting(replace(case, traffic=scrambled)) == meeting(replace(case, traffic=seen))
+    assert kind_of(replace(case, traffic=scrambled)) == kind_of(replace(case, traffic=seen))

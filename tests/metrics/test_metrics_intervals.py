@@ -103,6 +103,11 @@ def test_nothing_to_average_is_not_a_number():
         ("00a0ec58-1fb9-4a2b-bfd7-f4e5da7a9eff", "00a0ec58-1fb9-4a2b-bfd7-f4e5da7a9eff"),
         ("cross-000-01-00330-38", "cross-000-01"),
         ("double_ring-000-12-00000-7", "double_ring-000-12"),
+        ("map-7-10000", "map"),
+        ("cross-000-00-00110-35-new-s03", "cross-000-00"),
+        ("cross-000-00-00110-35-s03-new", "cross-000-00"),
+        ("drive-01", "drive-01"),
+        ("scene-0001-12", "scene-0001-12"),
     ],
 )
 def test_a_recording_is_found_in_the_ids_that_every_data_set_writes(scenario_id, found):

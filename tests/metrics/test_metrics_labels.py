@@ -1,9 +1,11 @@
 """Labels of scenes whose manoeuvres and conflicts are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from drivegen.core.roadmap import LaneControl
+from drivegen.core.roadmap import LaneControl, Polylines
 from drivegen.metrics.labels import conflict_type, label, manoeuvre
 from tests.scenes import busy_crossing, crossing, drive, joined, scenario, stack, straight_road
 
@@ -64,6 +66,16 @@ def test_road_kinds():
     assert label(scenario(roads, along), along).road == "road"
     roads.speed_limit[:] = 33
     assert label(scenario(roads, along), along).road == "fast road"
+
+
+def test_a_long_lane_without_a_point_near_the_path_is_driven_on():
+    roads = straight_road()
+    ends = Polylines.of([line[[0, -1]] for line in roads.centreline.lines()])
+    along = stack([drive(roads.centreline[0], 100, 5, 101)])
+    sparse = replace(roads, centreline=ends, speed_limit=np.full(len(roads), 33.0, np.float32))
+    assert label(scenario(sparse, along), along).road == "fast road"
+    beside = replace(along, position=along.position + np.float32([0.0, 40.0]))
+    assert label(scenario(sparse, beside), beside).road == "road"
 
 
 def test_rows_hold_one_label_an_aspect_and_count_manoeuvres():

@@ -61,6 +61,15 @@ def test_a_track_with_a_gap_is_not_averaged_over_it():
     assert (standing, all_steps) == (averaged - 17 - 4, 2 * averaged - 17 - 6)
 
 
+def test_a_change_where_no_kilometre_is_counted_is_none():
+    """At its ends a track cannot be smoothed: what happens there is on no counted way."""
+    change = np.zeros((STEPS, 1))
+    change[:4] = 1.0
+    straight = drive(lane(0), 20, 10, STEPS)
+    early = replace(straight, position=(straight.position + change * (lane(1)[0] - lane(0)[0])).astype(np.float32))
+    assert traffic(recording(early)).rates[0, 0] == 0
+
+
 def test_a_change_of_lane_is_one_and_wander_is_an_offset():
     t = np.linspace(0, 1, STEPS)
     shift = np.clip(3 * t - 1, 0, 1)[:, None] * (lane(1)[0] - lane(0)[0])
