@@ -1,12 +1,13 @@
 """Each faulty driver fails where its fault matters; each equivalent one does what the sound one does."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 import torch
 
 from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.signals import Signals, SignalState
 from drivegen.corner_cases.kinds import Kind
@@ -14,6 +15,7 @@ from drivegen.drivers import gail, idm
 from drivegen.drivers.mutants.table import EQUIVALENTS, FAULTS, FAULTY, MUTATIONS, Mutant
 from drivegen.drivers.shared.network import Settings
 from drivegen.drivers.shared.policy import Policy
+from drivegen.drivers.shared.version import version
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
@@ -135,3 +137,8 @@ def test_an_equivalent_one_ends_where_the_sound_one_ends():
     ]
     assert all(one.kind[0] == ends[0].kind[0] for one in ends)
     assert np.stack([one.end[0] for one in ends]) == pytest.approx(np.tile(ends[0].end[0], (len(ends), 1)), abs=0.01)
+
+
+def test_a_dotted_name_that_is_no_mutant_is_said_to_be_none():
+    with pytest.raises(UnusableInput, match=r"no mutated driver 'idm.blind': there are idm.blind_right, idm"):
+        version({"idm.blind": None}, {"idm": asdict(IDM)}, "drivers", "gate.new")

@@ -11,6 +11,7 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
+from drivegen.core.errors import UnusableInput
 from drivegen.drivers.base import Driver, RuleDriver
 from drivegen.drivers.mutants.views import in_double_precision, mirrored, of_others, of_rows, without
 from drivegen.world.observation import Action, Observation
@@ -161,11 +162,14 @@ MUTATIONS = {f"{base}.{fault}": FAULTS[fault] for base, faults in FAULTY.items()
 
 
 class Mutant:
-    """A sound driver with one mutation; `name` is one of MUTATIONS. It has no settings."""
+    """A sound driver with one mutation; `name` is one of MUTATIONS, else UnusableInput is raised. It has no settings."""
 
     settings_type: ClassVar[type] = type(None)
 
     def __init__(self, name: str, sound: Driver) -> None:
+        if name not in MUTATIONS:
+            of_it = [mutant for mutant in MUTATIONS if mutant.partition(".")[0] == name.partition(".")[0]]
+            raise UnusableInput(f"there is no mutated driver {name!r}: there are {', '.join(of_it)}")
         self.name, self.sound = name, sound
 
     @property

@@ -7,7 +7,7 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import build
 from drivegen.drivers.base import Driver
-from drivegen.drivers.mutants.table import MUTATIONS, Mutant
+from drivegen.drivers.mutants.table import Mutant
 
 
 def version(said: Mapping[str, Any], usual: Mapping[str, Mapping[str, Any]], section: str, place: str) -> Driver:
@@ -19,10 +19,11 @@ def version(said: Mapping[str, Any], usual: Mapping[str, Mapping[str, Any]], sec
     if len(said) != 1 or not all(changes is None or isinstance(changes, Mapping) for changes in said.values()):
         raise UnusableInput(f"{place} must be a driver's name with what differs in its settings, as in `idm: {{headway: 1.2}}`")
     (name, changes), *_ = said.items()
-    sound = name.partition(".")[0] if name in MUTATIONS else str(name)
+    base, dot, _ = str(name).partition(".")
+    sound = base if dot and base in usual else str(name)
     if sound in usual and changes:
         plugin = plugins.load("drivers", sound)
         driver: Driver = plugin(build(plugin.settings_type, {**usual[sound], **changes}, f"{place}: {sound}"))
     else:
         driver = plugins.make("drivers", sound, usual, section)
-    return Mutant(name, driver) if name in MUTATIONS else driver
+    return driver if sound == name else Mutant(name, driver)
