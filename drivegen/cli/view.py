@@ -5,7 +5,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -16,15 +15,12 @@ from drivegen.av2.folder import read_folder
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.wording import many
 from drivegen.datasets.argoverse2_sensor import read_whole_log
-from drivegen.ingest.selection import Settings, select
+from drivegen.ingest.selection import everybody
+from drivegen.ingest.vehicles import PLANNED_KINDS
 from drivegen.recording.record import record_scenario
 from drivegen.store.lookup import CASES, find_sample, find_scenario, ids_in
 from drivegen.store.samples import holds_samples
 from drivegen.store.scenarios import shards
-
-EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
-"""All vehicles over the whole recording, on the whole map."""
-
 
 SHARDS = tuple(Path("data") / name for name in ("shipped", "scenarios/test", "scenarios/val", "scenarios/train"))
 """Where an id is looked for, in this order."""
@@ -65,7 +61,7 @@ def command(
         path = _record_id(scenario, out, futures)
     else:
         folder = _chosen(folder, out)
-        path = _recorded(folder, out) or _record(folder, out)
+        path = _recorded(folder, out) or _record(folder, out, console)
     if show and _has_screen():
         _open(path)
     else:
@@ -128,14 +124,18 @@ def _recorded(scenario: Path, out: Path | None) -> Path | None:
     return recordings[0] if recordings else None
 
 
-def _record(scenario: Path, out: Path | None) -> Path:
+def _record(scenario: Path, out: Path | None, console: Console) -> Path:
+    """The recording of a log: all vehicles over all of it, on the whole map; says how many, and who is the target."""
     sensor = any(scenario.glob("annotations*.feather"))
     if not sensor and not any(scenario.glob("scenario_*.parquet")):
         raise UnusableInput(f"{scenario} holds neither a scenario nor a sensor log nor a recording: give the folder of one")
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
-    begun = replace(EVERYTHING, first_step=1) if sensor else EVERYTHING  # velocities of a sensor log come from the frames before
-    record_scenario(path, select(log, begun), log_name="as in the folder")
+    shown = everybody(log, 1 if sensor else 0)  # velocities of a sensor log come from the frames before
+    record_scenario(path, shown, log_name="as in the folder")
+    count = many(sum(kind in PLANNED_KINDS for kind in log.kind), "vehicle")
+    notes = "".join(f"; {name}: {note}" for name, note in shown.notes.items())
+    console.print(f"{len(shown.vehicles)} of {count}{notes}", soft_wrap=True, highlight=False, markup=False)
     return path
 
 

@@ -56,18 +56,45 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
     Raises UnusableInput with reason `bad-id`, `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `no-lanes` or what
     `Scenario.validate` finds.
     """
-    if not SAFE_ID.fullmatch(log.scenario_id):
-        said = f"{log.source}: {log.scenario_id[:50]!r} cannot be a scenario's id, for ids name files"
-        raise UnusableInput(f"{said}: use letters, digits, dots, dashes and underscores", reason="bad-id")
+    _expect_safe_id(log)
     log = _cut_time(log, settings)
     notes: dict[str, str] = {}
     target = _target(log, settings.target, notes)
     log = _without_jumps(log, target, notes)
     size, source = boxes_of(log)
     chosen = choose(log, target, size, source, settings.max_vehicles, settings.smallest_shrink, notes)
-    log = _in_frame_of(log, chosen, settings.map_radius)
+    scenario = _scenario(_in_frame_of(log, chosen, settings.map_radius), chosen, size, source, notes)
+    if touching := _context_overlaps(scenario):
+        notes["context_overlaps"] = str(touching)
+    scenario.validate()
+    return scenario
+
+
+def everybody(log: RecordedLog, first: int) -> Scenario:
+    """All that a recording shows from step `first` on, to be looked at and not to be driven in, in a frame as `select` has it.
+
+    Every vehicle that is ever there is in it as it was recorded, on the whole map; who is not there at step 0 has zeros there.
+    The target is the focal track, else the AV, else any vehicle, which is noted. Raises UnusableInput with reason `bad-id`,
+    `no-vehicles` or what `Scenario.validate` finds.
+    """
+    _expect_safe_id(log)
+    log = _between(log, first, log.motion.steps)
+    vehicles = np.flatnonzero(np.isin(log.kind, PLANNED_KINDS) & log.motion.valid.any(-1))
+    if not len(vehicles):
+        raise UnusableInput(f"scenario {log.scenario_id} has no vehicles", reason="no-vehicles")
+    target = next((track for track in (log.focal, log.ego) if track in vehicles), vehicles[0])
+    notes = {} if target == log.focal else {"target": f"{log.track_id[target]}, because no vehicle is the focal track"}
+    chosen = np.append(target, vehicles[vehicles != target])
+    scenario = _scenario(_in_frame_of(log, chosen, None), chosen, *boxes_of(log), notes)
+    scenario.validate()
+    return scenario
+
+
+def _scenario(
+    log: RecordedLog, chosen: NDArray[np.intp], size: NDArray[np.float32], source: NDArray[np.uint8], notes: dict[str, str]
+) -> Scenario:
     motion = _tidy(log.motion[chosen])
-    scenario = Scenario(
+    return Scenario(
         scenario_id=log.scenario_id,
         source=log.source,
         city=log.city,
@@ -88,10 +115,12 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
         notes=notes,
         per_hour=log.per_hour,
     )
-    if touching := _context_overlaps(scenario):
-        notes["context_overlaps"] = str(touching)
-    scenario.validate()
-    return scenario
+
+
+def _expect_safe_id(log: RecordedLog) -> None:
+    if not SAFE_ID.fullmatch(log.scenario_id):
+        said = f"{log.source}: {log.scenario_id[:50]!r} cannot be a scenario's id, for ids name files"
+        raise UnusableInput(f"{said}: use letters, digits, dots, dashes and underscores", reason="bad-id")
 
 
 def _cut_time(log: RecordedLog, settings: Settings) -> RecordedLog:
@@ -100,8 +129,13 @@ def _cut_time(log: RecordedLog, settings: Settings) -> RecordedLog:
         raise UnusableInput(
             f"scenario {log.scenario_id} has {log.motion.steps} steps: too few after step {first}", reason="too-short"
         )
-    cut = log.motion.between(first, last)
-    return replace(log, motion=cut, signals=Signals(log.signals.lane, log.signals.state[:, first:last]))
+    return _between(log, first, last)
+
+
+def _between(log: RecordedLog, first: int, last: int) -> RecordedLog:
+    """Steps `first` to `last`, the latter not included."""
+    signals = Signals(log.signals.lane, log.signals.state[:, first:last])
+    return replace(log, motion=log.motion.between(first, last), signals=signals)
 
 
 def _target(log: RecordedLog, role: str, notes: dict[str, str]) -> int:
@@ -159,7 +193,8 @@ def _implausible(motion: Trajectories) -> NDArray[np.bool_]:
 def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | None) -> RecordedLog:
     """The recording in a frame near the target, the first `chosen`, its map cut to what these can reach and `radius` more."""
     old = log.map.origin
-    origin = np.round(log.motion.position[chosen[0], 0].astype(np.float64) + old)
+    start = log.motion.valid[chosen[0]].argmax()
+    origin = np.round(log.motion.position[chosen[0], start].astype(np.float64) + old)
     shift = old - origin
     position = (log.motion.position.astype(np.float64) + shift).astype(np.float32)
     position[~log.motion.valid] = 0

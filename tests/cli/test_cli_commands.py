@@ -15,6 +15,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 import rerun as rr
@@ -86,6 +87,17 @@ def test_view_shows_all_of_a_sensor_log(tmp_path):
         for step in chunk.to_record_batch().column("step").to_pylist()
     }
     assert max(steps) == 128  # of 130 frames: the first has no velocities
+
+
+def test_view_shows_every_vehicle_and_says_so(folder, tmp_path):
+    tracks = folder / "scenario_scene-0.parquet"
+    table = pq.read_table(tracks).filter((pc.field("track_id") != "track-1") | (pc.field("timestep") > 50))
+    pq.write_table(
+        table.set_column(table.column_names.index("focal_track_id"), "focal_track_id", [["none"] * len(table)]), tracks
+    )
+    done = run("view", str(folder), "--no-show", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("3 of 3 vehicles; target: track-0, because no vehicle is the focal track\n")
 
 
 def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):

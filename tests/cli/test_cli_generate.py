@@ -16,8 +16,8 @@ from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.av2.schema import COLUMNS
-from drivegen.cli.view import EVERYTHING
 from drivegen.core.scenario import Actors, Scenario, VehicleKind
+from drivegen.gym.folders import SELECTION
 from drivegen.ingest.selection import select
 from drivegen.lm.ledger import FOLDER
 from drivegen.maps.build import build_map
@@ -106,7 +106,7 @@ def test_regenerated_traffic_is_in_the_official_layout_with_the_logs_ids_and_fir
 def test_its_rows_hold_the_errors_of_what_was_written(regenerated, project):
     rows = rows_of(regenerated)
     assert [row["id"] for row in rows] == [f"logged-0-s0{k}" for k in range(3)]
-    log = select(read_folder(project / "logged-0", "log"), replace(EVERYTHING, max_vehicles=6, horizon=100))
+    log = select(read_folder(project / "logged-0", "log"), replace(SELECTION, max_vehicles=6))
     for row in rows:
         made = read_folder(regenerated / row["id"], "made")
         order = [made.track_id.tolist().index(track) for track in log.vehicles.track_id]

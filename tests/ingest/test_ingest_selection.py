@@ -13,7 +13,7 @@ from drivegen.core.geometry import boxes_overlap
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
 from drivegen.core.signals import Signals, SignalState
-from drivegen.ingest.selection import Settings, select
+from drivegen.ingest.selection import Settings, everybody, select
 from drivegen.ingest.vehicles import ASSUMED_SIZE
 from tests.futures import bytes_of, otherwise
 from tests.scenes import crossing, drive, joined, stack, straight_road
@@ -259,3 +259,32 @@ def test_an_id_that_cannot_name_a_file_is_refused(name: str) -> None:
     with pytest.raises(UnusableInput, match="cannot be a scenario's id") as refusal:
         select(recording(row(), scenario_id=name), SETTINGS)
     assert refusal.value.reason == "bad-id"
+
+
+def test_everybody_of_a_recording_is_shown_wherever_and_whenever_they_are() -> None:
+    motions = [*row(4), parked(100.5, 0)]
+    motions[2].valid[:20], motions[3].valid[:] = False, False  # comes later, is never there
+    motions[1].position[15:] += 500  # jumps
+    log = recording(motions, kind=kinds((4, VehicleKind.TRUCK), count=5))
+    assert len(select(log, SETTINGS).vehicles) == 2
+    scenario = everybody(log, 0)
+    assert scenario.vehicles.track_id.tolist() == [f"track-{i}" for i in (0, 1, 2, 4)]
+    assert scenario.notes == {}
+    assert scenario.log is not None
+    np.testing.assert_array_equal(scenario.log.valid.sum(-1), [STEPS, STEPS, STEPS - 20, STEPS])
+    np.testing.assert_array_equal(scenario.vehicles.size[3], np.float32(ASSUMED_SIZE[VehicleKind.TRUCK]))
+
+
+def test_the_target_of_everybody_is_the_focal_track_or_stands_in_for_it() -> None:
+    motions = row(3)
+    motions[2].valid[:20] = False
+    scenario = everybody(recording(motions, focal=2), 0)
+    assert scenario.vehicles.track_id.tolist() == ["track-2", "track-0", "track-1"]
+    assert scenario.log is not None
+    assert np.abs(scenario.log.position[0, 20]).max() < 1  # the frame begins where it does
+    for ego, target in {1: "track-1", NO_TRACK: "track-0"}.items():
+        log = recording(motions, focal=2, ego=ego, kind=kinds((2, VehicleKind.PEDESTRIAN), count=3))
+        assert everybody(log, 0).vehicles.track_id.tolist()[0] == target
+        assert everybody(log, 0).notes == {"target": f"{target}, because no vehicle is the focal track"}
+    with pytest.raises(UnusableInput, match="recording has no vehicles"):
+        everybody(recording(row(1), kind=kinds((0, VehicleKind.CYCLIST), count=1)), 0)
