@@ -10,9 +10,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.ingest.selection import Settings, select
-from drivegen.store.lookup import futures_in, logs_in
+from drivegen.store.lookup import futures_in
 from drivegen.store.samples import holds_samples
-from drivegen.store.scenarios import shards
+from drivegen.store.scenarios import read_shard, shards
 
 SELECTION = Settings(target="focal", max_vehicles=32, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
 """How an Argoverse 2 recording becomes a scenario."""
@@ -42,7 +42,7 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
         raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
     files = shards(place)
     left_out: dict[str, list[str]] = defaultdict(list)
-    every = [one for file in files for one in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
+    every = [one for file in files for one in _of_shard(file, of, left_out)] if files else list(_argoverse2(place, left_out))
     usable = []
     for scenario, number, motion in every:
         if motion.valid[TARGET, :2].all():
@@ -51,16 +51,20 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
             left_out["no-target"].append(scenario.scenario_id)
     reasons = ", ".join(f"{len(which)} {reason} ({which[0]})" for reason, which in sorted(left_out.items()))
     if not usable:
-        why = reasons or ("its scenarios have no motion" if files else "neither shard-*.parquet nor scenario_*.parquet is there")
+        why = reasons or ("its shards are empty" if files else "neither shard-*.parquet nor scenario_*.parquet is there")
         raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({why}): {_REMEDY}")
     if reasons:
         warnings.warn(f"{folder}: scenarios left out: {reasons}", stacklevel=2)
     return usable
 
 
-def _of_shard(shard: Path, of: Path) -> Iterator[tuple[Scenario, int, Trajectories]]:
+def _of_shard(shard: Path, of: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:
     if not holds_samples(shard):
-        yield from ((scenario, 0, log) for scenario, log in logs_in(shard))
+        for scenario in read_shard(shard):
+            if scenario.log is None:
+                left_out["no-motion"].append(scenario.scenario_id)
+            else:
+                yield scenario, 0, scenario.log
         return
     for scenario, samples in futures_in(shard, of):
         yield from ((scenario, k, samples.motion[k]) for k in range(len(samples.dropped)))

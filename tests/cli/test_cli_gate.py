@@ -105,7 +105,7 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("tiny.yaml", "scenes", "tiny.yaml: idm.acceleration must be between 0.001 and 1000, not 1e-300"),
         ("idm", "nowhere", "nowhere is no folder"),
         ("idm", "empty", "(neither shard-*.parquet nor scenario_*.parquet is there): give one with shards"),
-        ("idm", "stands", "(its scenarios have no motion): give one with shards"),
+        ("idm", "stands", "(1 no-motion (scene-0)): give one with shards"),
         ("idm", "round", "round is a round of corner cases"),
         ("idm", "round/samples", "round/samples is a round of corner cases"),
         ("idm", "futures", "name their folder"),

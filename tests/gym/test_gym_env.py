@@ -101,6 +101,9 @@ def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
     write_shard(folder / "empty" / "shard-00000.parquet", [gone])
     with pytest.raises(UnusableInput, match=r"target to drive \(1 no-target \(gone\)\)"):
         read_traffic(folder / "empty")
+    write_shard(folder / "half" / "shard-00000.parquet", [replace(gone, log=None), busy_crossing(110, "there")])
+    with pytest.warns(UserWarning, match=r"half: scenarios left out: 1 no-motion \(gone\)"):
+        assert len(read_traffic(folder / "half")) == 1
     with pytest.raises(UnusableInput, match="data/scenarios/none is no folder: run `make run` first"):
         read_traffic(Path("data/scenarios/none"))
 
