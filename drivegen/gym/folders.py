@@ -33,7 +33,7 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
 
     `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
     scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons, with the first
-    of each in words. Raises UnusableInput where nothing remains.
+    of each in words. Raises UnusableInput where nothing remains, or where two have one id: whoever reads keeps them by it.
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
@@ -42,13 +42,15 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
         raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
     files = shards(place)
     left_out: dict[str, list[str]] = defaultdict(list)
-    every = [one for file in files for one in _of_shard(file, of, left_out)] if files else list(_argoverse2(place, left_out))
-    usable = []
-    for scenario, number, motion in every:
-        if motion.valid[TARGET, :2].all():
-            usable.append((scenario, number, motion))
-        else:
-            left_out["no-target"].append(scenario.scenario_id)
+    usable, found = [], dict[tuple[str, int], Path]()
+    for file in files or _argoverse2(place):
+        for scenario, number, motion in _of_shard(file, of, left_out) if files else _of_folder(file, left_out):
+            if (other := found.setdefault((scenario.scenario_id, number), file)) is not file:
+                raise UnusableInput(_twice(scenario.scenario_id, other, file))
+            if motion.valid[TARGET, :2].all():
+                usable.append((scenario, number, motion))
+            else:
+                left_out["no-target"].append(scenario.scenario_id)
     reasons = ", ".join(f"{len(which)} {reason} ({which[0]})" for reason, which in sorted(left_out.items()))
     if not usable:
         why = reasons or ("its shards are empty" if files else "neither shard-*.parquet nor scenario_*.parquet is there")
@@ -56,6 +58,13 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     if reasons:
         warnings.warn(f"{folder}: scenarios left out: {reasons}", stacklevel=2)
     return usable
+
+
+def _twice(scenario_id: str, one: Path, other: Path) -> str:
+    return (
+        f"{one} and {other} both hold a scenario {scenario_id}: take one away, or generate it anew with another --seed or from a"
+        " map of another name, which its id begins with"
+    )
 
 
 def _of_shard(shard: Path, of: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:
@@ -70,14 +79,18 @@ def _of_shard(shard: Path, of: Path, left_out: dict[str, list[str]]) -> Iterator
         yield from ((scenario, k, samples.motion[k]) for k in range(len(samples.dropped)))
 
 
-def _argoverse2(folder: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:
-    """One scenario, or those of all folders in a folder, also of its splits; what is not usable by reason, in words."""
+def _argoverse2(folder: Path) -> list[Path]:
+    """The folder of one scenario itself, or all of scenarios in it, also of its splits."""
     single = any(folder.glob("scenario_*.parquet"))
-    for place in [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")}):
-        try:
-            scenario = select(read_folder(place, "Argoverse 2 Motion Forecasting"), SELECTION)
-        except UnusableInput as error:
-            left_out[error.reason].append(str(error))
-            continue
-        assert scenario.log is not None
-        yield scenario, 0, scenario.log
+    return [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")})
+
+
+def _of_folder(folder: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:
+    """Its scenario; what is not usable by reason, in words."""
+    try:
+        scenario = select(read_folder(folder, "Argoverse 2 Motion Forecasting"), SELECTION)
+    except UnusableInput as error:
+        left_out[error.reason].append(str(error))
+        return
+    assert scenario.log is not None
+    yield scenario, 0, scenario.log
