@@ -20,6 +20,8 @@ _CONTENTS = """
     from information_schema.columns group by all order by "table"
 """
 _SHOWN, _WIDEST = 40, 10_000
+_EXACT = 1e15
+"""Whole doubles below it are counts, with all their digits."""
 
 
 def command(
@@ -68,4 +70,6 @@ def _show(answer: pa.Table) -> None:
 def _cell(value: Any) -> str:
     if value is None:
         return ""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.0f}" if value.is_integer() and abs(value) < _EXACT else f"{value:.6g}"

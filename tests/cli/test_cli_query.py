@@ -23,6 +23,10 @@ def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
     assert csv.stdout.splitlines() == ['"value","sample"', "0.25,-1"]
     done = run("query", "select a.sample, b.value as sample, a.stage from results a, results b", cwd=tmp_path)
     assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
+    done = run(
+        "query", "select 136105.0::double as a, 2.5::double as b, 1.0 / 3 as c, 1e15 as d, 'nan'::double as e", cwd=tmp_path
+    )
+    assert done.stdout.split()[5:] == ["136105", "2.5", "0.333333", "1e+15", "nan"]
     csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
     assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
     csv = run("query", "select unnest([null, [sample]]) as one from results", "--csv", cwd=tmp_path)
