@@ -283,6 +283,17 @@ def test_the_doctor_names_what_a_kill_cut_off_or_a_bit_changed(tmp_path):
     assert bad.remedy == "remove it, then make run"
 
 
+def test_the_doctor_names_what_cannot_be_read_and_goes_on(tmp_path):
+    (tmp_path / "data/folder.parquet").mkdir(parents=True)
+    (tmp_path / "data/link.parquet").symlink_to("nothing")
+    write_shard(tmp_path / "data/whole.parquet", [scenes.any_scenario(1)])
+    folder, link, whole = doctor.damage(tmp_path)
+    assert (folder.ok, link.ok, whole.ok) == (False, False, True)
+    assert folder.found == f"{tmp_path}/data/folder.parquet cannot be read: Is a directory"
+    assert link.found == f"{tmp_path}/data/link.parquet cannot be read: No such file or directory"
+    assert "dvc checkout" in link.remedy
+
+
 def test_the_doctor_does_not_wait_for_a_simulator_that_hangs(monkeypatch):
     monkeypatch.setattr(doctor, "plain_to_net", lambda _: b"")
     monkeypatch.setattr(doctor.subprocess, "run", Mock(side_effect=subprocess.TimeoutExpired("python", 60)))
