@@ -57,7 +57,9 @@ def command(
     beset: Annotated[
         bool, Option("--beset", help="With --map: lanes beside, before, behind and across the target's way are taken.")
     ] = False,
-    seed: Annotated[int, Option(min=0, max=seeds.LARGEST, help="Same seed, same bytes.")] = 7,
+    seed: Annotated[
+        int, Option(min=0, max=seeds.LARGEST, help="Same seed, same bytes; of recordings (.rrd) the same content.")
+    ] = 7,
     lm: Words = None,
     max_usd: MaxUsd = None,
 ) -> None:

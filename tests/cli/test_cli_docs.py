@@ -39,3 +39,8 @@ def test_a_command_of_the_docs_has_its_options(words):
     assert done.exit_code == 0
     known = set(re.findall(r"--[a-z-]+", done.output))
     assert {word for word in words if word.startswith("--")} <= known
+
+
+def test_no_more_is_promised_of_a_seed_than_is_so():
+    done = CliRunner().invoke(build(["generate"]), ["generate", "--help"], catch_exceptions=False)
+    assert "of recordings (.rrd) the same content" in " ".join(done.output.replace("│", " ").split())
