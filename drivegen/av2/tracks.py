@@ -47,7 +47,7 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
         signals: states over at least as many steps as the tracks have; none if absent.
 
     T is one more than the last time step found: `num_timestamps` is wrong in files whose future is withheld.
-    Raises UnusableInput with a reason of `columns.checked`, `duplicate-rows` or `no-tracks`, naming `place`.
+    Raises UnusableInput with a reason of `columns.checked`, `mixed-scenarios`, `duplicate-rows` or `no-tracks`, naming `place`.
     """
     tracks = _checked(tracks, place)
     step = tracks["timestep"].to_numpy()
@@ -84,11 +84,15 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
 
 
 def _checked(tracks: pa.Table, place: str) -> pa.Table:
-    """The columns we read, proved to be sound, and steps that are not absurd."""
+    """The columns we read, proved to be sound and of one scenario, and steps that are not absurd."""
     tracks = checked(tracks, pa.schema([COLUMNS.field(name) for name in REQUIRED]), place, SIZE_COLUMNS)
     low, high = pc.min_max(tracks["timestep"]).as_py().values()
     if low < 0 or high >= MOST_CELLS:
         raise UnusableInput(f"{place}: time steps run from {low} to {high}", reason="out-of-range")
+    for name in CONSTANTS:
+        if (count := len(tracks[name].unify_dictionaries().unique())) > 1:
+            said = f"{place}: column {name} has {count} values, and a file holds one scenario: give each a file of its own"
+            raise UnusableInput(said, reason="mixed-scenarios")
     return tracks
 
 

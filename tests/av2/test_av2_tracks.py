@@ -132,6 +132,7 @@ def changed(name: str, values: object) -> pa.Table:
         (changed("timestep", -1), "out-of-range"),
         (changed("timestep", 10**9), "out-of-range"),
         (changed("timestep", 0), "duplicate-rows"),
+        *((changed(name, "other"), "mixed-scenarios") for name in ("scenario_id", "focal_track_id", "city")),
         (changed("track_id", "x" * 201), "bad-id"),
         (changed("scenario_id", "x" * 201), "bad-id"),
         (table(busy_crossing(4)).append_column("heading", table(busy_crossing(4))["heading"]), "duplicate-columns"),
@@ -242,3 +243,13 @@ def test_signals_of_unequal_lengths_or_unknown_letters_are_refused(states: list[
     rows = [{"lane": int(road_map.lane_id[i]), "states": letters} for i, letters in enumerate(states)]
     with pytest.raises(UnusableInput, match="signals file"):
         read_signals(orjson.dumps({"signals": rows}), road_map, "signals.json")
+
+
+def test_two_scenarios_in_one_file_are_refused_by_the_column_that_tells_them_apart(tmp_path: Path) -> None:
+    one = table(busy_crossing(4))
+    place = one.schema.get_field_index("scenario_id")
+    other = one.set_column(place, "scenario_id", pa.array(["other"] * one.num_rows))
+    file = tmp_path / "tracks.parquet"
+    pq.write_table(pa.concat_tables([one, other]), file, row_group_size=one.num_rows)  # each group has its own dictionary
+    with pytest.raises(UnusableInput, match=r"tracks\.parquet: column scenario_id has 2 values, and a file holds one scenario"):
+        read_log(read_table(file), busy_crossing(4).map, "test", str(file))
