@@ -65,8 +65,10 @@ def tempered(probabilities: Probabilities, candidates: Sequence[Candidates], tem
     """`p ** (1 / temperature)`, normalised, of each manoeuvre as a whole and of the candidates within each manoeuvre.
 
     Below 1 the likely goals gain, above 1 the unlikely ones. Candidate by candidate alone, whoever may stay where it is would
-    nearly always do so: staying is one candidate, driving on is spread over many.
+    nearly always do so: staying is one candidate, driving on is spread over many. At 1 they are the same arrays.
     """
+    if temperature == 1.0:  # to normalise would change last bits, which a ratio of the two shows
+        return probabilities
     both = zip(probabilities, candidates, strict=True)
     return [_tempered(p.astype(np.float64), c.manoeuvre, 1.0 / temperature) for p, c in both]
 
