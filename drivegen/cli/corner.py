@@ -70,7 +70,8 @@ def command(
         console.print(f"{searched}, no case found")
         return
     console.print(_table(kinds, judged))
-    console.print("Odds, of the attacker's goal by itself, and time to react are medians. The likeliest case of each kind:")
+    odds = "Odds, of the attacker's goal by itself (of two attackers the product of both)"
+    console.print(f"{odds}, and time to react are medians. The likeliest case of each kind:")
     for group in kinds:
         place, likeliest = out / _folder(group), judged[group.cases[0]]
         written = ", ".join(sorted(file.name for file in place.iterdir()))

@@ -16,12 +16,12 @@ class Case:
     Attributes:
         scenario: map, vehicles with their first frame, context actors, signals. Several cases may share one.
         traffic: (N, T) how everybody was to move; the target's row gives its path and first state only.
-        attacker: the vehicle whose motion was exchanged, 0 where none was (logged traffic).
+        attacker: the vehicle whose motion was exchanged, one of them where two were, 0 where none was (logged traffic).
         driven: (T,) the target as it was driven, valid until the collision.
         step: of the collision. partner: who was hit, as in `DrivingOutcome`. kind: who hit whom. at_fault: nuPlan's verdict.
         impact_speed: [m/s] of the two relative to one another.
         violation: Violation flags of the scene, with the target left out of others' duties after its time to react; 0 is legal.
-        odds: the attacker's natural odds of its goal, NaN where the method knows no goals.
+        odds: the attacker's natural odds of its goal, of two attackers the product; NaN where the method knows no goals.
         queries: runs of the driver that were spent on the scene up to this one, itself included.
         driver, method: who drove, who found it.
     """

@@ -48,6 +48,7 @@ def test_a_driver_of_a_file_is_tested_and_its_kinds_are_written(project, monkeyp
     assert "standing, in a: Another stands in its way" in said
     assert "2 cases of 1 kind in out" in said
     assert "standing  2      -     2 of 2" in said  # logged traffic has no odds
+    assert "Odds, of the attacker's goal by itself (of two attackers the product of both), and" in said
     assert "out/standing: picture.png, recording.rrd, sentence.txt, standing, standing.xodr, standing.xosc" in said
     cases = json.loads((project / "out/cases.json").read_text())
     assert [case["kind"] for case in cases] == ["standing", "standing"]
