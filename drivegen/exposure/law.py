@@ -3,7 +3,8 @@
 p(c_1 .. c_M) ~ prod_n p_n(c_n) * exp(-PENALTY * pairs that exclude each other), over the goals of all vehicles but the target,
 where the motions towards them, one for every goal, are legal together and beside the target's own plan; else p = 0. It is drawn
 by Gibbs sweeps (`goals.joint`) from a start of each draw's own, and a scene in which anybody is illegal is rejected as a whole:
-nobody is planned again, moved aside or left out, so draws are independent and follow the law. There is no tempo.
+nobody is planned again, moved aside or left out of a draw, so draws are independent and follow the law. There is no tempo. The
+law is of who is there, which callers take from one earlier future: whoever stayed illegal in that is in none of the draws.
 """
 
 from dataclasses import dataclass

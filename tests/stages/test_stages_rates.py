@@ -94,6 +94,7 @@ def test_rows_are_means_over_seeds_and_the_table_names_who_fails_most_first():
     text = rate_table(one(0.01)).markdown()
     assert text.index("gail") < text.index("idm")
     assert "10000 (5000 to 20000)" in text
+    assert "who stayed illegal in the one future that says who is there is in no draw" in text
     assert {(r["driver"], r["metric"]): r for r in rate_rows("corpus", [one(0.0)])}["idm", "saves"]["value"] is None
 
 

@@ -81,7 +81,8 @@ def _million(share: float) -> str:
 def _notes(rates: Rates) -> tuple[str, ...]:
     return (
         "The law: all vehicles but the target draw their goals by their own odds; whole scenes in which anybody is illegal are "
-        "rejected, those in which goals exclude one another are nearly never drawn; neighbours react. "
+        "rejected, those in which goals exclude one another are nearly never drawn; who stayed illegal in the one future that "
+        "says who is there is in no draw; neighbours react. "
         f"{number(rates['draws'])} draws in each of {rates['scenes']} scenes of {rates['recordings']} recordings; in "
         f"{rates['left_out']} more too few draws were legal. These draws stand for the law: the share of them that ends in a "
         "counted collision is the true rate, in brackets with 95 % over recordings.",
