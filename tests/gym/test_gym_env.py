@@ -1,8 +1,6 @@
 """The environments pass their libraries' own checks, end where they should and agree with one another."""
 
-import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -12,7 +10,6 @@ import torch
 from gymnasium.utils.env_checker import check_env
 
 import drivegen.gym
-from drivegen.av2.export import export_scenario
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import read_params
 from drivegen.core.signals import Signals, SignalState
@@ -20,12 +17,10 @@ from drivegen.drivers.shared.conditions import Settings
 from drivegen.drivers.shared.environment import TERMS, Environment
 from drivegen.drivers.shared.features import COUNT
 from drivegen.gym.env import DriveEnv
-from drivegen.gym.folders import read_traffic
 from drivegen.gym.picture import present
 from drivegen.gym.sb3 import DriveVecEnv
 from drivegen.gym.vector import DriveVectorEnv
 from drivegen.simulators.batch import Plugin as Batch
-from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
@@ -52,7 +47,6 @@ def folder(tmp_path_factory):
     root = tmp_path_factory.mktemp("gym")
     scenes = [busy_crossing(61, f"scene-{letter}") for letter in "abc"]
     write_shard(root / "scenarios" / "shard-00000.parquet", scenes)
-    write_samples(root / "generated" / "shard-00000.parquet", [noisy_samples(s, 2, seed=i) for i, s in enumerate(scenes)])
     return root
 
 
@@ -73,52 +67,6 @@ def test_the_name_and_the_project_s_params_are_enough(folder):
     assert info["scenario"] == "scene-b"
     vector = gymnasium.make_vec("DriveGen/Drive-v0", num_envs=4, scenarios=str(folder / "scenarios"))
     assert vector.reset(seed=3)[0].shape == (4, COUNT)
-
-
-def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
-    assert len(read_traffic(folder / "scenarios")) == 3
-    assert len(read_traffic(folder / "generated", of=folder / "scenarios")) == 6
-    with pytest.raises(UnusableInput, match="name their folder"):
-        read_traffic(folder / "generated", of=folder)
-    with pytest.raises(UnusableInput, match="no folder"):
-        read_traffic(folder / "nothing")
-    scene = busy_crossing(110, "recorded")
-    for name in ("one", "two"):
-        export_scenario(scene, scene.log, folder / "argoverse2", name)
-    assert [s.steps for s, _ in read_traffic(folder / "argoverse2")] == [101, 101]
-    assert len(read_traffic(folder / "argoverse2" / "one")) == 1
-    broken = folder / "argoverse2" / "three"
-    shutil.copytree(folder / "argoverse2" / "one", broken)
-    next(broken.glob("*.parquet")).write_bytes(b"PAR1")
-    with pytest.warns(
-        UserWarning, match=r"scenarios left out: 1 truncated \(.*/three/scenario_.*\.parquet is no whole Parquet file"
-    ):
-        assert len(read_traffic(folder / "argoverse2")) == 2
-    with pytest.raises(UnusableInput, match=r"no scenario with traffic and a target to drive \(1 truncated \(.*/three/"):
-        read_traffic(broken)
-    gone = busy_crossing(110, "gone")
-    gone.log.valid[0] = False
-    write_shard(folder / "empty" / "shard-00000.parquet", [gone])
-    with pytest.raises(UnusableInput, match=r"target to drive \(1 no-target \(gone\)\)"):
-        read_traffic(folder / "empty")
-    write_shard(folder / "half" / "shard-00000.parquet", [replace(gone, log=None), busy_crossing(110, "there")])
-    with pytest.warns(UserWarning, match=r"half: scenarios left out: 1 no-motion \(gone\)"):
-        assert len(read_traffic(folder / "half")) == 1
-    with pytest.raises(UnusableInput, match="data/scenarios/none is no folder: run `make run` first"):
-        read_traffic(Path("data/scenarios/none"))
-
-
-def test_two_scenarios_of_one_id_are_refused_by_both_places(tmp_path):
-    scene = busy_crossing(110, "map-7-0000")
-    for place in ("here", "there"):
-        export_scenario(scene, scene.log, tmp_path / place, "map-7-0000-s00")
-    said = r"here/map-7-0000-s00 and .*there/map-7-0000-s00 both hold a scenario map-7-0000-s00: take one away, or generate it"
-    with pytest.raises(UnusableInput, match=said):
-        read_traffic(tmp_path)
-    for number in range(2):
-        write_shard(tmp_path / "shards" / f"shard-0000{number}.parquet", [scene])
-    with pytest.raises(UnusableInput, match=r"shard-00000.parquet and .*shard-00001.parquet both hold a scenario map-7-0000:"):
-        read_traffic(tmp_path / "shards")
 
 
 def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
