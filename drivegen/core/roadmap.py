@@ -63,7 +63,7 @@ class RoadMap:
         cut: (L, 2) bool whether lanes that lead to its start, on from its end, are missing here: the road goes on there, the
             map does not. Where neither a link nor a cut is, the network itself begins or ends.
         drivable: Polylines, closed outlines (first point not repeated); empty if unknown: the lanes' surfaces count.
-        crossings: Polylines of four-cornered pedestrian crossings.
+        crossings: Polylines of four-cornered pedestrian crossings: one edge the way that people walk, then the other one back.
         stop_lines: (S, 2, 2) float32 [m] both ends.
         stop_lane: (S,) int32 the lane that is entered behind the stop line.
         dangling: number of links that named a lane the map does not hold (cropped maps: normal).

@@ -62,11 +62,11 @@ def covered(left: Points, right: Points, outline: Points) -> bool:
 
 
 def crossing_corners(centre: Points, width: float) -> Points:
-    """Corners (4, 2) of a pedestrian crossing that runs along `centre` (P, 2)."""
+    """Corners (4, 2) of a pedestrian crossing that runs along `centre` (P, 2): one edge that way, then the other one back."""
     a, b = centre[0], centre[-1]
     along = (b - a) / max(float(np.hypot(*(b - a))), 1e-9)
     side = np.array([-along[1], along[0]]) * width / 2
-    return np.stack([a + side, a - side, b - side, b + side])
+    return np.stack([a + side, b + side, b - side, a - side])
 
 
 def stop_lines(left: Polylines, right: Polylines, lanes: NDArray[np.int32]) -> NDArray[np.float32]:

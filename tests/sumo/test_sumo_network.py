@@ -1,5 +1,6 @@
 import gzip
 import importlib.util
+import json
 import os
 import re
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.av2.maps import write_map
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind
 from drivegen.core.signals import SignalState
@@ -113,7 +115,13 @@ def test_drivable_area_holds_the_junction_and_crossings_have_four_corners(net):
     outlines = [outline + net.map.origin for outline in net.map.drivable.lines()]
     assert any(np.allclose(outline, [[90, 90], [110, 90], [110, 110], [90, 110]]) for outline in outlines)
     (corners,) = net.map.crossings.lines()
-    assert np.allclose(corners + net.map.origin, [[86, 94], [90, 94], [90, 106], [86, 106]])
+    assert np.allclose(corners + net.map.origin, [[86, 94], [86, 106], [90, 106], [90, 94]])
+
+
+def test_both_edges_of_a_crossing_run_the_way_that_people_walk_in_argoverse_2(net):
+    (written,) = json.loads(write_map(net.map))["pedestrian_crossings"].values()
+    for edge in ("edge1", "edge2"):
+        assert [point["y"] for point in written[edge]] == [94, 106]
 
 
 def test_a_way_across_a_junction_is_drawn_itself_only_where_the_junction_does_not_hold_it(net):
