@@ -1,8 +1,8 @@
 """CommonRoad's lanelets as the road map. A lanelet is a left and a right bound, both in driving direction.
 
-Pavements are no lanes, nor are hard shoulders, which stay drivable; crosswalks become pedestrian crossings. 2018b does
-not say where a junction is: there, the lanelets that cross another one, and those that fork from or merge with such
-a one, count as in a junction.
+Pavements are no lanes, nor are shoulders, borders, parking and restricted ones, which stay drivable; crosswalks become
+pedestrian crossings. 2018b does not say where a junction is: there, the lanelets that cross another one, and those that
+fork from or merge with such a one, count as in a junction.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,10 @@ from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap, open_ends
 KINDS = {"busLane": LaneKind.BUS, "bicycleLane": LaneKind.BIKE}
 """Lanelet types that are lanes for some only; all others but those below are for all vehicles."""
 
-NO_LANES = ("sidewalk", "crosswalk", "shoulder")
+NO_LANES = ("sidewalk", "crosswalk", "shoulder", "border", "parking", "restricted")
+
+_ONLY_FOR = {"bus": "busLane", "taxi": "busLane", "bicycle": "bicycleLane", "pedestrian": "sidewalk"}
+"""What a lanelet is whose named users are all among these, by the first that is named."""
 
 MOST_LANES = 5000
 """A file with more lanes is refused: all pairs of them are compared."""
@@ -115,7 +118,7 @@ def _read(element: Element, place: str) -> Lanelet:
         name=name,
         left=bounds[0],
         right=bounds[1],
-        types=frozenset((kind.text or "").strip() for kind in element.iterfind("laneletType")),
+        types=_types(element),
         before=tuple(references(element, "predecessor", place)),
         after=tuple(references(element, "successor", place)),
         beside=(_beside(element, "adjacentLeft", place), _beside(element, "adjacentRight", place)),
@@ -123,6 +126,19 @@ def _read(element: Element, place: str) -> Lanelet:
         speed_limit=float("nan") if limit is None else possible_limit(limit, place),
         element=element,
     )
+
+
+def _types(element: Element) -> frozenset[str]:
+    """Its own types, and what its users make of it."""
+    types, one_way, both_ways = (_texts(element, word) for word in ("laneletType", "userOneWay", "userBidirectional"))
+    users = one_way | both_ways
+    if users and users <= _ONLY_FOR.keys():
+        types.add(next(kind for user, kind in _ONLY_FOR.items() if user in users))
+    return frozenset(types)
+
+
+def _texts(element: Element, word: str) -> set[str]:
+    return {(found.text or "").strip() for found in element.iterfind(word)}
 
 
 def _bound(element: Element, word: str, place: str) -> Points:

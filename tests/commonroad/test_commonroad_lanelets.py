@@ -90,6 +90,34 @@ def test_types_decide_who_uses_a_lane_and_what_is_none() -> None:
     assert road_map.crossings[0].shape == (4, 2)
 
 
+@pytest.mark.parametrize("kind", ["shoulder", "border", "parking", "restricted"])
+def test_what_lies_beside_the_lanes_is_road_and_no_lane(kind: str) -> None:
+    beside = lanelet(
+        2, [(0, 6), (50, 6)], [(0, 2), (50, 2)], f"<laneletType>urban</laneletType><laneletType>{kind}</laneletType>"
+    )
+    road_map = read(lanelet(1, *STRAIGHT), beside, version="2020a").map
+    assert road_map.lane_id.tolist() == [1]
+    assert len(road_map.drivable) == 2
+
+
+@pytest.mark.parametrize(
+    ("users", "kinds", "drivable"),
+    [
+        ("vehicle", [LaneKind.VEHICLE] * 2, 2),
+        ("car bicycle", [LaneKind.VEHICLE] * 2, 2),
+        ("bus taxi", [LaneKind.VEHICLE, LaneKind.BUS], 2),
+        ("pedestrian bicycle", [LaneKind.VEHICLE, LaneKind.BIKE], 1),
+        ("pedestrian", [LaneKind.VEHICLE], 1),
+    ],
+)
+@pytest.mark.parametrize("word", ["userOneWay", "userBidirectional"])
+def test_users_decide_who_uses_a_lane_that_no_type_keeps_for_somebody(users, kinds, drivable, word) -> None:
+    named = "".join(f"<{word}>{user}</{word}>" for user in users.split())
+    road_map = read(lanelet(1, *STRAIGHT), lanelet(2, [(0, 6), (50, 6)], [(0, 2), (50, 2)], named), version="2020a").map
+    assert road_map.kind.tolist() == kinds
+    assert len(road_map.drivable) == drivable
+
+
 def test_solid_lines_are_not_crossed() -> None:
     beside = '<adjacentLeft ref="2" drivingDir="same"/>', '<adjacentRight ref="1" drivingDir="same"/>'
     road_map = read(
