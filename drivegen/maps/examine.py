@@ -50,5 +50,5 @@ def examine(written: MapSpec | WrittenNetwork) -> Examined:
     root = parse(network, NETWORK, root="net")
     structure = measure(root, NETWORK)
     asked = check(written, structure) if isinstance(written, MapSpec) else check_asked(written.asked, structure)
-    checks = (*check_sound(structure, overlapping(root)), *asked)
+    checks = (*check_sound(structure, overlapping(root, NETWORK)), *asked)
     return Examined(network, Network.of(root, NETWORK).map, structure, checks)

@@ -12,7 +12,10 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import resample
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import arc_length, resample
+from drivegen.maps.road_graph import for_cars
+from drivegen.sumo.net_lanes import lane_shape
 from drivegen.sumo.plain import Point
 
 _STEP = 2.0
@@ -33,14 +36,20 @@ _ONE_BRIDGE = 100.0
 _MOST = 5
 """So many pairs are named."""
 
+_LONGEST = 1e6
+"""A lane is no longer [m]: its samples would fill the memory."""
 
-def overlapping(root: Element) -> tuple[str, ...]:
-    """Of a network's parsed XML: "a and b near (x, y)" of edges whose lanes touch away from every shared node; five at most."""
+
+def overlapping(root: Element, place: str) -> tuple[str, ...]:
+    """Of a network's parsed XML: "a and b near (x, y)" of edges whose lanes touch away from every shared node; five at most.
+
+    Only lanes for cars count. Raises UnusableInput, which names `place`, where one of them has no possible shape.
+    """
     nodes = {j.get("id", ""): (float(j.get("x", "0")), float(j.get("y", "0"))) for j in root.iter("junction")}
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
     ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
     places: dict[tuple[int, int], Point] = {}
-    for a, b, (x, y), apart in _touching([_samples(edge) for edge in edges]):
+    for a, b, (x, y), apart in _touching([_samples(edge, place) for edge in edges]):
         if apart >= _CLEARANCE:
             continue
         shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
@@ -51,16 +60,18 @@ def overlapping(root: Element) -> tuple[str, ...]:
     return tuple(lines[:_MOST])
 
 
-def bridges(root: Element) -> int:
-    """In how many places of a network one road passes over another; none in a network without heights."""
+def bridges(root: Element, place: str) -> int:
+    """In how many places of a network one road passes over another; none without heights. Raises as `overlapping` does."""
     edges = [edge for edge in root.iter("edge") if not edge.get("function")]
     if not any(lane.get("shape", "").split(" ", 1)[0].count(",") > 1 for edge in edges for lane in edge.iter("lane")):
         return 0
-    above = {(a, b): place for a, b, place, apart in _touching([_samples(edge) for edge in edges]) if apart >= _CLEARANCE}
+    above = {
+        (a, b): middle for a, b, middle, apart in _touching([_samples(edge, place) for edge in edges]) if apart >= _CLEARANCE
+    }
     groups: list[list[Point]] = []
-    for place in above.values():
-        near = [one for one in groups if any(math.dist(place, other) < _ONE_BRIDGE for other in one)]
-        groups = [one for one in groups if one not in near] + [[place, *(other for one in near for other in one)]]
+    for middle in above.values():
+        near = [one for one in groups if any(math.dist(middle, other) < _ONE_BRIDGE for other in one)]
+        groups = [one for one in groups if one not in near] + [[middle, *(other for one in near for other in one)]]
     return len(groups)
 
 
@@ -73,13 +84,30 @@ def _joined(ends: list[tuple[str, str]]) -> list[set[str]]:
     return [{a, b}.union(*(beside[node] for node in (a, b) if len(beside[node]) == 2)) for a, b in ends]
 
 
-def _samples(edge: Element) -> NDArray[np.float64]:
+def _samples(edge: Element, place: str) -> NDArray[np.float64]:
     """Points (P, 3) on the centrelines of an edge's lanes: x, y and the edge's greatest height, which few networks have."""
-    shapes = [[tuple(map(float, p.split(","))) for p in lane.get("shape", "").split()] for lane in edge.iter("lane")]
-    points = [resample(np.array([p[:2] for p in shape], np.float64), _STEP) for shape in shapes if len(shape) > 1]
-    height = max((p[2] for shape in shapes for p in shape if len(p) > 2), default=0.0)
-    flat = np.concatenate(points) if points else np.zeros((0, 2))
+    lanes = [lane for lane in edge.iter("lane") if for_cars(lane)]  # the others' shapes nobody has looked at
+    flat = np.concatenate([np.zeros((0, 2)), *(resample(_line(lane, place), _STEP) for lane in lanes)])
+    height = max((_height(lane, place) for lane in lanes), default=0.0)
     return np.column_stack([flat, np.full(len(flat), height)])
+
+
+def _line(lane: Element, place: str) -> NDArray[np.float64]:
+    line = lane_shape(lane, place)
+    if arc_length(line)[-1] > _LONGEST:
+        raise UnusableInput(f"{place}: lane {lane.get('id', '')!r} is longer than {_LONGEST / 1000:.0f} km", reason="bad-map")
+    return line
+
+
+def _height(lane: Element, place: str) -> float:
+    """A lane's greatest height [m]; 0 where it has none."""
+    try:
+        heights = [float(point.split(",")[2]) for point in lane.get("shape", "").split() if point.count(",") > 1]
+    except ValueError:
+        heights = [math.nan]
+    if not all(map(math.isfinite, heights)):
+        raise UnusableInput(f"{place}: lane {lane.get('id', '')!r} has a height that is no number", reason="bad-map")
+    return max(heights, default=0.0)
 
 
 def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Point, float]]:

@@ -94,7 +94,7 @@ def measure(root: Element, place: str) -> Structure:
         length=graph.longest_way(),
         turn=max(graph.turned(edge) for edge in graph.edges),
         loops=sum(graph.is_loop(edge) for edge in graph.edges),
-        bridges=bridges(root),
+        bridges=bridges(root, place),
         one_way=not any(graph.opposite(a, b) for a in graph.edges for b in graph.leaving[graph.edges[a].target]),
         left_hand=graph.left_hand,
         edges=len(edges),

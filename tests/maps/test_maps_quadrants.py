@@ -287,9 +287,9 @@ def test_what_is_no_interchange_is_refused(wrong: dict[str, Any]) -> None:
 
 def test_without_its_height_the_road_would_lie_on_the_highway() -> None:
     network = built("cloverleaf").network
-    assert (overlapping(parse(network, NETWORK)), measure(parse(network, NETWORK), NETWORK).bridges) == ((), 1)
+    assert (overlapping(parse(network, NETWORK), NETWORK), measure(parse(network, NETWORK), NETWORK).bridges) == ((), 1)
     low = network.replace(b",6.00", b",1.00")
-    assert overlapping(parse(low, NETWORK)) != ()
+    assert overlapping(parse(low, NETWORK), NETWORK) != ()
     assert measure(parse(low, NETWORK), NETWORK).bridges == 0
 
 

@@ -8,6 +8,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.safe_xml import parse
 from drivegen.layouts.spec import MapSpec
 from drivegen.maps.examine import examine
+from drivegen.maps.imports import import_map
 from drivegen.maps.overlaps import overlapping
 from drivegen.maps.structure import measure
 
@@ -28,4 +29,27 @@ def test_a_network_with_numbers_that_are_none_is_refused_in_a_sentence(nasty):
 
 
 def test_lanes_near_the_junction_that_they_share_do_not_lie_on_one_another():
-    assert overlapping(parse(NETWORK, "map.net.xml")) == ()
+    assert overlapping(parse(NETWORK, "map.net.xml"), "map.net.xml") == ()
+
+
+LANE = '<edge id="{0}" from="{0}1" to="{0}2"><lane id="{0}_0" index="0" speed="9" length="9" {2} shape="{1}"/></edge>'
+
+
+def net(*lanes: str) -> bytes:
+    return f"<net>{''.join(lanes)}</net>".encode()
+
+
+@pytest.mark.parametrize("shape", ["abc", "", "0,0 nan,5", "0,0 5,inf", "0,0 90000000,0"])
+@pytest.mark.parametrize("users", ['allow="pedestrian"', 'allow="rail"'])
+def test_lanes_for_nobody_who_drives_are_not_looked_at_for_bridges(shape, users):
+    over = LANE.format("over", "0,0,9 100,0,9", ""), LANE.format("under", "50,-50,0 50,50,0", "")
+    assert import_map(net(*over, LANE.format("path", shape, users)), "a.net.xml").structure.bridges == 1
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [("0,0,x 5,0,1", "height"), ("0,0,nan 5,0,1", "height"), ("0,0,1 90000000,0,1", "longer than 1000 km")],
+)
+def test_a_lane_for_cars_without_a_height_or_an_end_is_refused(shape, said):
+    with pytest.raises(UnusableInput, match=rf"a\.net\.xml: lane 'a_0' .*{said}"):
+        measure(parse(net(LANE.format("a", shape, "")), "a.net.xml"), "a.net.xml")
