@@ -41,9 +41,14 @@ class BuiltMap:
         """Whether every check passed, and nothing of the description is contradicted."""
         return not self.account["failed"]
 
+    @property
+    def caption(self) -> str:
+        """What stands below the picture: the description, and each edit since."""
+        return "; ".join([str(self.account.get("text", "")), *(done["edit"] for done in self.account.get("history", ()))])
+
     def save(self, folder: Path) -> None:
         """Write the three files into `folder`, all or none: those of an older map stay where they cannot be written."""
-        picture = png(draw_map(self.road_map, str(self.account.get("text", "")))[..., ::-1], compression=6)
+        picture = png(draw_map(self.road_map, self.caption)[..., ::-1], compression=6)
         write_together(folder, {NETWORK: self.network, PICTURE: picture, ACCOUNT: as_json(self.account)})
 
 

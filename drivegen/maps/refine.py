@@ -19,7 +19,8 @@ def refine_map(folder: Path, text: str, edit: Callable[[MapSpec, str], MapSpec])
     file = folder / ACCOUNT
     try:
         account = safe_json.parse(file.read_bytes(), file)
-        spec, history = MapSpec.model_validate(account["spec"]), [*account.get("history", [])]
+        spec = MapSpec.model_validate(account["spec"])
+        history = [{"edit": str(done["edit"]), "before": done["before"]} for done in account.get("history", [])]
     except FileNotFoundError:
         raise UnusableInput(f"{file} is not there: make the map first", reason="no-map") from None
     except (KeyError, TypeError, ValidationError):

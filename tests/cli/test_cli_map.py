@@ -9,6 +9,10 @@ from typer.testing import CliRunner
 
 from drivegen.av2.export import export_scenario
 from drivegen.cli import build, main
+from drivegen.maps.refine import refine_map
+from drivegen.render.map_picture import draw_map
+from drivegen.render.png import png
+from drivegen.words.edits import edited
 from tests import scenes
 
 ROUND = "roundabout with four arms"
@@ -51,6 +55,15 @@ def test_an_edit_changes_the_map_in_place_and_is_kept_in_its_history(tmp_path):
     assert files(tmp_path).keys() == before.keys()
     assert files(tmp_path)["map.net.xml"] != before["map.net.xml"]
     assert [edit["edit"] for edit in json.loads(files(tmp_path)["map.json"])["history"]] == ["set the limit to 30 km/h"]
+
+
+def test_the_picture_says_the_edits_too(tmp_path):
+    run(ROUND, "--out", tmp_path)
+    run("refine", tmp_path, "add a lane")
+    built = refine_map(tmp_path, "30 km/h", edited)
+    built.save(tmp_path)
+    assert built.caption == f"{ROUND}; add a lane; 30 km/h"
+    assert files(tmp_path)["map.png"] == png(draw_map(built.road_map, built.caption)[..., ::-1], compression=6)
 
 
 def test_a_map_is_replaced_only_where_that_is_asked_for(folder, tmp_path):
@@ -158,8 +171,9 @@ def test_links_that_lead_in_a_circle_and_a_history_that_is_none_are_refused(fold
     assert "is not there" in refused(monkeypatch, capsys, "export", str(circle), "--to", "sumo", "--out", str(tmp_path / "o"))
     assert "no plain file" in refused(monkeypatch, capsys, "export", str(folder), "--to", "sumo", "--out", str(circle))
     account = json.loads(files(folder)["map.json"])
-    (tmp_path / "map.json").write_text(json.dumps(account | {"history": 5}))
-    assert "holds no map specification" in refused(monkeypatch, capsys, "refine", str(tmp_path), "add a lane")
+    for history in (5, [5], ["add a lane"], [{"edit": "add a lane"}]):
+        (tmp_path / "map.json").write_text(json.dumps(account | {"history": history}))
+        assert "holds no map specification" in refused(monkeypatch, capsys, "refine", str(tmp_path), "add a lane")
 
 
 def test_what_netconvert_refuses_names_the_file(tmp_path, monkeypatch, capsys):
