@@ -3,7 +3,8 @@
 Lanes between which changing is legal become the lanes of one edge, every other lane an edge of its own; nodes are the
 places where linked lanes touch. Junction outlines of next to no size keep netconvert from cutting anything off the
 lanes, so that every centreline comes back as it was, and coordinates are those of the source (Argoverse 2 city frame).
-The source has no right of way, so nothing is regulated.
+The source has no right of way, so nothing is regulated. What a SUMO network of such nodes cannot hold is left out: crosswalks,
+which lanes lie in junctions, oncoming lanes as neighbours, and that the map is cut where its lanes end.
 """
 
 from itertools import pairwise

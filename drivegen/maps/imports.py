@@ -31,7 +31,8 @@ _SOURCES = {"net": "SUMO network", "osm": "OpenStreetMap", "OpenDRIVE": "OpenDRI
 _ASSUMED = {
     "OpenStreetMap": "right-hand traffic; limits and lanes by the kind of road where no tag gives them",
     "OpenDRIVE": "50 km/h where the file gives no limit",
-    "Argoverse 2": "50 km/h where the file gives no limit; nobody has the right of way",
+    "Argoverse 2": "50 km/h where the file gives no limit; nobody has the right of way; roads end where the map is cut. Left "
+    "out: crosswalks, which lanes lie in junctions, and oncoming lanes as neighbours",
 }
 _TIMEOUT = 300.0
 
