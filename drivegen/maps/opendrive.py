@@ -88,8 +88,11 @@ def keeps_left(network: bytes) -> bool:
 
 
 def read_opendrive(xodr: bytes) -> bytes:
-    """The SUMO network of an OpenDRIVE file: its lanes for cars, buses and bicycles. Raises NetconvertRefused."""
+    """The SUMO network of an OpenDRIVE file: its lanes for cars, buses and bicycles, in the file's own coordinates (a header's
+    <offset> is not added to them). Raises NetconvertRefused.
+    """
     flags = ["--type-files", "lanes.typ.xml", "--keep-edges.by-vclass", _KEPT, "--no-turnarounds", "true"]
+    flags += ["--offset.disable-normalization", "true"]
     arguments = ["--opendrive-files", "in.xodr", *flags, "-o", "out.net.xml"]
     return convert({"in.xodr": _with_limits(xodr), "lanes.typ.xml": _types()}, arguments, "out.net.xml", TIMEOUT)
 

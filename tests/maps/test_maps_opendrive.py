@@ -5,6 +5,7 @@ import re
 import pytest
 
 from drivegen.maps.build import build_map
+from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back, read_opendrive
 from drivegen.sumo.network import read_network
 from drivegen.words.writer import Writer
@@ -87,3 +88,21 @@ def test_a_roads_limit_is_that_of_its_lanes_that_have_none_of_their_own(types: s
 def test_one_drives_on_ramps_and_on_no_hard_shoulder(kind: str, lanes: tuple[int, int, int]) -> None:
     road = ROAD.format(types="").replace('id="-2" type="driving"', f'id="-2" type="{kind}"')
     assert read_back(road.encode(), "a.xodr").lanes == lanes
+
+
+PROJECTED = "<geoReference><![CDATA[+proj=utm +zone=32 +datum=WGS84 +units=m]]></geoReference>"
+OFFSET = '<offset x="690000" y="5330000" z="0" hdg="0"/>'
+
+
+@pytest.mark.parametrize("header", ["", PROJECTED, OFFSET, PROJECTED + OFFSET])
+def test_coordinates_are_those_of_the_file(header: str) -> None:
+    moved = ROAD.format(types="").replace('x="0" y="0"', 'x="1000" y="-500"')
+    network = read_opendrive(moved.replace('revMinor="5"/>', f'revMinor="5">{header}</header>').encode())
+    ends = (read_network(network, "net"), read_network(read_opendrive(export_opendrive(network)), "net"))
+    for road_map in ends:
+        assert (road_map.centreline.points + road_map.origin).min(0) == pytest.approx([1000, -505.25], abs=0.02)
+
+
+def test_a_window_is_cut_where_the_file_has_it() -> None:
+    moved = ROAD.format(types="").replace('x="0" y="0"', 'x="1000" y="-500"').encode()
+    assert import_map(moved, "a.xodr", Window(50.0, around=(1100.0, -500.0))).structure.edges == 1
