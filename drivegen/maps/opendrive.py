@@ -21,6 +21,13 @@ from drivegen.sumo.network import Network, read_network
 TIMEOUT = 300.0
 """For netconvert [s]: a city takes that long."""
 
+_ASSUMED = 13.89
+_UNLIMITED = 45.0
+"""Limits where the file has none, and where it says "no limit" [m/s]: no road that we draw has a higher one."""
+
+_NEAR = 1e-3
+"""Places along a road this near to one another are one [m]."""
+
 _DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
 _ALLOW = {LaneKind.VEHICLE: ("disallow", "pedestrian"), LaneKind.BUS: ("allow", "bus"), LaneKind.BIKE: ("allow", "bicycle")}
 _OTHERS = ("pedestrian", "tram", "rail")
@@ -141,21 +148,38 @@ def _of_others(lane: Element) -> tuple[str, str]:
 
 
 def _with_limits(xodr: bytes) -> bytes:
-    """The file with each road's limit given to its lanes that have none of their own: netconvert reads limits of lanes alone."""
+    """The file with each road's limits given to its lanes that have none of their own: netconvert reads limits of lanes alone."""
     root = parse(xodr, "OpenDRIVE", root="OpenDRIVE")
     for road in root.iter("road"):
-        types = [(_number(kind.get("s")), kind.find("speed")) for kind in road.iterfind("type")]
-        for section in road.iterfind("lanes/laneSection"):
-            begun = [speed for start, speed in types if start <= _number(section.get("s")) + 1e-3]
-            if begun and begun[-1] is not None and 0 < _number(begun[-1].get("max")) < 1000:
-                for lane in section.iter("lane"):
-                    if lane.find("speed") is None:
-                        lane.append(Element("speed", {"sOffset": "0", **begun[-1].attrib}))
+        types = [(_number(kind.get("s")), _limit(kind.find("speed"))) for kind in road.iterfind("type")]
+        sections = road.findall("lanes/laneSection")
+        ends = [*(_number(section.get("s")) for section in sections[1:]), _number(road.get("length"))]
+        for section, end in zip(sections, ends, strict=True):
+            limits = _limits(types, _number(section.get("s")), end)
+            for lane in section.iter("lane"):
+                if lane.find("speed") is None:
+                    lane.extend(limits)
     return bytes(tostring(root))
 
 
+def _limits(types: list[tuple[float, dict[str, str]]], begin: float, end: float) -> list[Element]:
+    """The limits of a road's `types` (s [m], attributes) between two places of it [m], as a lane has them."""
+    begun = [limit for s, limit in types if s <= begin + _NEAR]
+    within = [(s - begin, limit) for s, limit in types if begin + _NEAR < s < end - _NEAR]
+    return [
+        Element("speed", {**limit, "sOffset": f"{at:.8f}"}) for at, limit in [*((0.0, limit) for limit in begun[-1:]), *within]
+    ]
+
+
+def _limit(speed: Element | None) -> dict[str, str]:
+    """The attributes of a limit; those of the assumed one where the file has none, or one that is none ("undefined")."""
+    if speed is not None and speed.get("max") == "no limit":
+        return {"max": str(_UNLIMITED)}
+    return dict(speed.attrib) if speed is not None and 0 < _number(speed.get("max")) < 1000 else {"max": str(_ASSUMED)}
+
+
 def _number(text: str | None) -> float:
-    """A number; 0 for what is none, as the limit "no limit"."""
+    """A number; 0 for what is none, as the limit "undefined"."""
     try:
         return float(text or 0)
     except ValueError:
@@ -164,9 +188,9 @@ def _number(text: str | None) -> float:
 
 def _types() -> bytes:
     """Who may use lanes of each OpenDRIVE type, as netconvert reads it; a type's speed and width hold where a file has none."""
-    rows = [f'<type id="{name}" priority="1" speed="13.89" width="3.65" disallow="{_NOT_ROAD}"/>' for name in _CAR]
+    rows = [f'<type id="{name}" priority="1" speed="{_ASSUMED}" width="3.65" disallow="{_NOT_ROAD}"/>' for name in _CAR]
     rows += [
-        f'<type id="{name}" priority="1" speed="13.89" width="{1.5 if name == "biking" else 3.65}" allow="{allowed}"/>'
+        f'<type id="{name}" priority="1" speed="{_ASSUMED}" width="{1.5 if name == "biking" else 3.65}" allow="{allowed}"/>'
         for name, allowed in _OF_FOREIGN.items()
     ]
     rows += [f'<type id="{name}" priority="0" speed="1.39" width="1.0" disallow="all" discard="true"/>' for name in _NOTHING]

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from drivegen.core.geometry import arc_length
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back, read_opendrive
@@ -71,14 +72,29 @@ KIND = '<type s="{}" type="town"><speed max="{}" unit="{}"/></type>'
         (KIND.format(0, 36, "km/h"), 10),
         (KIND.format(0, 10, "m/s"), 10),
         (KIND.format(0, 30, "mph"), 13.41),
-        (KIND.format(0, 36, "km/h") + KIND.format(100, 72, "km/h"), 10),
-        (KIND.format(0, "no limit", "km/h"), 13.89),
+        (KIND.format(0, "no limit", "km/h"), 45),
+        (KIND.format(0, "undefined", "km/h"), 13.89),
         ("", 13.89),
     ],
 )
 def test_a_roads_limit_is_that_of_its_lanes_that_have_none_of_their_own(types: str, limit: float) -> None:
     road_map = read_network(read_opendrive(ROAD.format(types=types).encode()), "net")
     assert sorted(road_map.speed_limit.tolist()) == pytest.approx(sorted([9, limit]), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("types", "limits"),
+    [
+        (KIND.format(0, 36, "km/h") + KIND.format(80, "no limit", "") + KIND.format(140, 72, "km/h"), {10: 80, 45: 60, 20: 60}),
+        (KIND.format(0, 36, "km/h") + '<type s="80" type="town"/>', {10: 80, 13.89: 120}),
+        (KIND.format(80, 36, "km/h"), {13.89: 80, 10: 120}),
+    ],
+)
+def test_a_roads_limit_may_change_on_the_way(types: str, limits: dict[float, float]) -> None:
+    road_map = read_network(read_opendrive(ROAD.format(types=types).encode()), "net")
+    lanes = [i for i, speed in enumerate(road_map.speed_limit.tolist()) if speed != 9 and not road_map.in_junction[i]]
+    found = {float(road_map.speed_limit[i]): float(arc_length(road_map.centreline[i])[-1]) for i in lanes}
+    assert {round(speed, 2): round(metres) for speed, metres in found.items()} == limits
 
 
 @pytest.mark.parametrize(
