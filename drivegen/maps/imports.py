@@ -15,7 +15,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.safe_xml import parse, unpack
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
-from drivegen.maps.opendrive import read_opendrive
+from drivegen.maps.opendrive import against_its_side, read_opendrive
 from drivegen.maps.road_graph import for_cars
 from drivegen.maps.structure import measure
 from drivegen.sumo.netconvert import NetconvertRefused, convert
@@ -109,6 +109,11 @@ def _converted(data: bytes, root: Element, place: str) -> bytes:
         raise UnusableInput(
             f'{place} has left-hand roads (rule="LHT"): netconvert lets every lane of theirs run the wrong way',
             reason="left-hand",
+        )
+    if lane := against_its_side(root):
+        raise UnusableInput(
+            f"{place}: {lane} runs against its side of the road, or both ways: netconvert reads it as one that does not",
+            reason="two-way-lane",
         )
     try:
         if root.tag == "OpenDRIVE":

@@ -94,6 +94,19 @@ def keeps_left(network: bytes) -> bool:
     return parse(network, "network", root="net").get("lefthand") in ("true", "1")
 
 
+def against_its_side(root: Element) -> str | None:
+    """The first lane of an OpenDRIVE file that runs against its side of the road, or both ways, with its road; None without.
+
+    netconvert reads such lanes (1.8's `direction`, the type "bidirectional") as any other one.
+    """
+    for road in root.iter("road"):
+        for lane in road.iter("lane"):
+            turned = lane.get("direction") in ("reversed", "both") and lane.get("type") in (*_CAR, *_OF_FOREIGN)
+            if turned or lane.get("type") == "bidirectional":
+                return f"lane {lane.get('id')} of road {road.get('id')!r}"
+    return None
+
+
 def read_opendrive(xodr: bytes) -> bytes:
     """The SUMO network of an OpenDRIVE file: its lanes for cars, buses and bicycles, in the file's own coordinates (a header's
     <offset> is not added to them). Raises NetconvertRefused.

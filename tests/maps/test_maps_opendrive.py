@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import arc_length
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
@@ -122,3 +123,23 @@ def test_coordinates_are_those_of_the_file(header: str) -> None:
 def test_a_window_is_cut_where_the_file_has_it() -> None:
     moved = ROAD.format(types="").replace('x="0" y="0"', 'x="1000" y="-500"').encode()
     assert import_map(moved, "a.xodr", Window(50.0, around=(1100.0, -500.0))).structure.edges == 1
+
+
+@pytest.mark.parametrize(
+    ("lane", "refused"),
+    [
+        ('direction="reversed" type="driving"', True),
+        ('direction="both" type="biking"', True),
+        ('type="bidirectional"', True),
+        ('direction="standard" type="driving"', False),
+        ('direction="both" type="sidewalk"', False),
+    ],
+)
+def test_lanes_that_run_against_their_side_or_both_ways_are_refused(lane: str, refused: bool) -> None:
+    file = ROAD.format(types="").replace('id="-2" type="driving"', f'id="-2" {lane}').encode()
+    if not refused:
+        assert import_map(file, "a.xodr").structure.edges == 1
+        return
+    with pytest.raises(UnusableInput, match=r"a\.xodr: lane -2 of road '1' runs against its side") as caught:
+        import_map(file, "a.xodr")
+    assert caught.value.reason == "two-way-lane"
