@@ -16,11 +16,11 @@ from drivegen.core.wording import many
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
-from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, read_back
+from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, losses, read_back
 from drivegen.maps.refine import refine_map
 from drivegen.maps.writers.base import ROUNDS
 from drivegen.store.files import expect_file_fits, write_bytes
-from drivegen.sumo.network import read_network
+from drivegen.sumo.network import Network
 from drivegen.words.edits import edited
 from drivegen.words.writer import OFFLINE, Writer, asking_writer
 
@@ -139,13 +139,15 @@ def export(
         raise UnusableInput(f"{out} would lie in the map that is read: name a place beside {folder}")
     network = source.read_bytes()
     with with_way_in():
-        there = Extent.of(read_network(network, str(source)))
+        before = Network.read(network, str(source))
     written = network if to is Form.SUMO else export_opendrive(network)
     write_bytes(out, written)
     if to is Form.OPENDRIVE:
-        back = read_back(written, str(out))
+        after = read_back(written, str(out))
+        there, back = Extent.of(before.map), Extent.of(after.map)
         _tell("written", f"{out}: {there}")
         _tell("read back", f"{'the same lanes and ways' if back.holds(there) else 'not the same'}: {back}")
+        _tell("lost", *losses(before, after))
         if keeps_left(network):
             _tell("lost", "left-hand traffic: who reads the file takes its roads for right-hand ones")
     else:

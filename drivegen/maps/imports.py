@@ -30,7 +30,7 @@ _OSM = (
 _SOURCES = {"net": "SUMO network", "osm": "OpenStreetMap", "OpenDRIVE": "OpenDRIVE"}
 _ASSUMED = {
     "OpenStreetMap": "right-hand traffic; limits and lanes by the kind of road where no tag gives them",
-    "OpenDRIVE": "50 km/h where the file gives no limit",
+    "OpenDRIVE": "50 km/h where the file gives no limit, 162 km/h where it says that there is none; right of way is guessed",
     "Argoverse 2": "50 km/h where the file gives no limit; nobody has the right of way; roads end where the map is cut. Left "
     "out: crosswalks, which lanes lie in junctions, and oncoming lanes as neighbours",
 }

@@ -3,20 +3,24 @@
 netconvert alone writes every lane that cars may not use as "restricted", whichever vehicles may, and skips such lanes and bicycle
 lanes when it reads. Here each lane is written as the kind that our maps give it ("driving", "bus", "biking": lane types of
 OpenDRIVE 1.4), and read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane. So is
-left-hand traffic: lanes lie where they did and run as they did, but netconvert has no word for the rule.
+left-hand traffic: lanes lie where they did and run as they did, but netconvert has no word for the rule. Neither priorities nor
+signs are written, and each direction is a road of its own: `losses` says where what is read back differs.
 """
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
-from drivegen.core.roadmap import LaneKind, RoadMap
+from drivegen.core.geometry import arc_length, interpolate
+from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap
 from drivegen.core.safe_xml import parse
+from drivegen.core.wording import many
 from drivegen.sumo.netconvert import convert
-from drivegen.sumo.network import Network, read_network
+from drivegen.sumo.network import Network
 
 TIMEOUT = 300.0
 """For netconvert [s]: a city takes that long."""
@@ -27,6 +31,9 @@ _UNLIMITED = 45.0
 
 _NEAR = 1e-3
 """Places along a road this near to one another are one [m]."""
+
+_SAME = 20.0
+"""Lanes of two maps are the same one where their ends and middles are no farther apart than this [m], squares added up."""
 
 _DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
 _ALLOW = {LaneKind.VEHICLE: ("disallow", "pedestrian"), LaneKind.BUS: ("allow", "bus"), LaneKind.BIKE: ("allow", "bicycle")}
@@ -69,7 +76,7 @@ class Extent:
         lanes = [int((road & (road_map.kind == kind)).sum()) for kind in (LaneKind.VEHICLE, LaneKind.BUS, LaneKind.BIKE)]
         lines = (road_map.centreline[i].astype(np.float64) for i in range(len(road_map)))
         metres = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
-        return cls((lanes[0], lanes[1], lanes[2]), metres / 1000, len(set(_ways(road_map))))
+        return cls((lanes[0], lanes[1], lanes[2]), metres / 1000, len(_ways(road_map)))
 
     def holds(self, other: "Extent") -> bool:
         """Whether it has the same lanes and ways as another map; lengths differ where a junction's inside is drawn anew."""
@@ -117,24 +124,68 @@ def read_opendrive(xodr: bytes) -> bytes:
     return convert({"in.xodr": _with_limits(xodr), "lanes.typ.xml": _types()}, arguments, "out.net.xml", TIMEOUT)
 
 
-def read_back(xodr: bytes, place: str) -> Extent:
+def read_back(xodr: bytes, place: str) -> Network:
     """What is there of a map when its OpenDRIVE is read."""
-    return Extent.of(read_network(read_opendrive(xodr), place))
+    return Network.read(read_opendrive(xodr), place)
 
 
-def _ways(road_map: RoadMap) -> Iterator[tuple[int, int]]:
+def losses(before: Network, after: Network) -> list[str]:
+    """What of a map's ways and roads is not as it was when it is read back: who goes first, which directions are one road."""
+    same = _same_lanes(before.map, after.map)
+    there, back = _ways(before.map), _ways(after.map)
+    found = {way: back.get((same.get(way[0], NO_LANE), same.get(way[1], NO_LANE))) for way in there}
+    compared = [control != there[way] for way, control in found.items() if control is not None]
+    still = _two_way(after)
+    parted = [not still[same[lane]] for lane in np.flatnonzero(_two_way(before)).tolist() if lane in same]
+    told = []
+    if others := sum(compared):
+        told.append(f"right of way at {others} of {many(len(compared), 'way')} compared: the file does not say it, readers guess")
+    if alone := sum(parted):
+        told.append(f"which two directions are one road, at {alone} of {many(len(parted), 'lane')} of two-way roads")
+    return told
+
+
+def _two_way(network: Network) -> list[bool]:
+    """Of each lane outside junctions, whether an edge runs back between the same nodes; False of all others."""
+    ends = [network.edge_ends.get(name.rsplit("_", 1)[0], ("", "")) for name in network.lane_names]
+    known = set(ends)
+    return [one != other and (other, one) in known for one, other in ends]
+
+
+def _ways(road_map: RoadMap) -> dict[tuple[int, int], int]:
+    """The control at the beginning of each way (lane, lane that it leads into)."""
     after: dict[int, list[int]] = {}
     for lane, following in road_map.links.tolist():
         after.setdefault(lane, []).append(following)
-    for lane in np.flatnonzero(~road_map.in_junction).tolist():
-        reached, seen = list(after.get(lane, [])), set()
+    ways: dict[tuple[int, int], int] = {}
+    for lane, first in road_map.links[~road_map.in_junction[road_map.links[:, 0]]].tolist():
+        reached, seen = [first], set()
         while reached:
             following = reached.pop()
             if not road_map.in_junction[following]:
-                yield lane, following
+                ways[lane, following] = max(ways.get((lane, following), 0), int(road_map.control[first]))
             elif following not in seen:
                 seen.add(following)
                 reached += after.get(following, [])
+    return ways
+
+
+def _same_lanes(before: RoadMap, after: RoadMap) -> dict[int, int]:
+    """The lane of another map that lies where a lane does, by lane: each is the other's nearest. Ends move where junctions are
+    drawn anew.
+    """
+    (old, places), (new, others) = _places(before), _places(after)
+    (apart, nearest), back = KDTree(others).query(places), KDTree(places).query(others)[1]
+    rows = np.flatnonzero((back[nearest] == np.arange(len(old))) & (apart < _SAME)).tolist()
+    return {int(old[i]): int(new[nearest[i]]) for i in rows}
+
+
+def _places(road_map: RoadMap) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """The lanes outside junctions (K,), and where each begins, is half way and ends (K, 6) [m, source frame]."""
+    lanes = np.flatnonzero(~road_map.in_junction)
+    lines = [road_map.centreline[i].astype(np.float64) + road_map.origin for i in lanes.tolist()]
+    shares = np.array([0.0, 0.5, 1.0])
+    return lanes, np.stack([interpolate(line, arc_length(line)[-1] * shares).ravel() for line in lines])
 
 
 def _with_plain_permissions(network: bytes) -> bytes:

@@ -74,6 +74,7 @@ def test_what_a_file_does_not_say_is_told_as_assumed(grid: bytes) -> None:
     assumed = [import_map(raw, "file").account["assumed"] for raw in (grid, export_opendrive(grid), OSM, log)]
     assert [len(lines) for lines in assumed] == [0, 1, 1, 1]
     assert all("50 km/h" in lines[0] for lines in (assumed[1], assumed[3]))
+    assert "right of way is guessed" in assumed[1][0]
     assert "right-hand traffic" in assumed[2][0]
     assert all(word in assumed[3][0] for word in ("crosswalks", "junctions", "oncoming", "cut"))
 

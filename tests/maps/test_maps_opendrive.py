@@ -8,8 +8,8 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import arc_length
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
-from drivegen.maps.opendrive import Extent, export_opendrive, read_back, read_opendrive
-from drivegen.sumo.network import read_network
+from drivegen.maps.opendrive import Extent, export_opendrive, losses, read_back, read_opendrive
+from drivegen.sumo.network import Network, read_network
 from drivegen.words.writer import Writer
 
 KINDS = (
@@ -24,10 +24,30 @@ KINDS = (
 @pytest.mark.parametrize("text", KINDS)
 def test_a_map_comes_back_with_its_lanes_ways_and_lengths(text: str) -> None:
     built = build_map(text, 7, Writer())
-    before, after = Extent.of(built.road_map), read_back(export_opendrive(built.network), "a.xodr")
+    before, after = Extent.of(built.road_map), Extent.of(read_back(export_opendrive(built.network), "a.xodr").map)
     assert before.lanes[0] > 0
     assert after.holds(before)
     assert after.kilometres == pytest.approx(before.kilometres, rel=0.01)
+
+
+SIDES = "A crossing with side roads that give way. Every arm has 1 lane in each direction. The {} arm has no priority."
+APART = "which two directions are one road, at 8 of 8 lanes of two-way roads"
+
+
+@pytest.mark.parametrize(
+    ("text", "lost"),
+    [
+        (SIDES.format("second arm has no priority. The fourth"), ["right of way at 8 of 12 ways compared", APART]),
+        ("an all-way stop, one lane each way", ["right of way at 12 of 12 ways compared", APART]),
+        (SIDES.format("first arm has no priority. The third"), [APART]),  # so it is guessed
+        (KINDS[0], ["which two directions are one road, at 16 of 36 lanes of two-way roads"]),
+        ("highway with three lanes and an on-ramp", []),
+    ],
+)
+def test_what_comes_back_otherwise_is_told(text: str, lost: list[str]) -> None:
+    built = build_map(text, 7, Writer())
+    told = losses(Network.read(built.network, "net"), read_back(export_opendrive(built.network), "a.xodr"))
+    assert [sentence.split(":")[0] for sentence in told] == lost
 
 
 @pytest.fixture(scope="module")
@@ -45,12 +65,12 @@ def test_lanes_for_buses_and_bicycles_come_back_as_such(shared: bytes) -> None:
     assert before.lanes == (8, 8, 8)
     xodr = export_opendrive(shared)
     assert b'type="restricted"' not in xodr
-    assert read_back(xodr, "a.xodr").lanes == before.lanes
+    assert Extent.of(read_back(xodr, "a.xodr").map).lanes == before.lanes
 
 
 def test_lanes_that_a_foreign_file_restricts_are_nobodys(shared: bytes) -> None:
     foreign = export_opendrive(shared).replace(b'type="bus"', b'type="restricted"')
-    assert read_back(foreign, "a.xodr").lanes == (8, 0, 8)
+    assert Extent.of(read_back(foreign, "a.xodr").map).lanes == (8, 0, 8)
 
 
 def test_the_same_network_gives_the_same_bytes(shared: bytes) -> None:
@@ -104,7 +124,7 @@ def test_a_roads_limit_may_change_on_the_way(types: str, limits: dict[float, flo
 )
 def test_one_drives_on_ramps_and_on_no_hard_shoulder(kind: str, lanes: tuple[int, int, int]) -> None:
     road = ROAD.format(types="").replace('id="-2" type="driving"', f'id="-2" type="{kind}"')
-    assert read_back(road.encode(), "a.xodr").lanes == lanes
+    assert Extent.of(read_back(road.encode(), "a.xodr").map).lanes == lanes
 
 
 PROJECTED = "<geoReference><![CDATA[+proj=utm +zone=32 +datum=WGS84 +units=m]]></geoReference>"
