@@ -10,7 +10,7 @@ from drivegen.core import plugins
 from drivegen.core.geometry import Polylines, unit
 from drivegen.core.safe_xml import parse
 from drivegen.core.scenario import DT
-from drivegen.maps.opendrive import read_back
+from drivegen.maps.opendrive import Extent, read_back
 from tests.scenes import busy_crossing, drive, joined, road_map, scenario, stack
 
 
@@ -63,7 +63,7 @@ def test_who_comes_and_goes_is_there_at_its_own_steps_and_no_others(steps, tmp_p
 def test_netconvert_reads_the_road_with_all_its_ways(tmp_path):
     scene = busy_crossing()
     plugins.load("exporters", "openscenario")().write(scene, scene.log, tmp_path, "one")
-    extent = read_back((tmp_path / "one.xodr").read_bytes(), "one")
+    extent = Extent.of(read_back((tmp_path / "one.xodr").read_bytes(), "one").map)
     assert extent.lanes == (8, 0, 0)
     assert extent.ways == 12
 
