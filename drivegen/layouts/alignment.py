@@ -47,8 +47,16 @@ class Alignment(Part):
     @property
     def straight(self) -> float:
         """Length of each of the straights [m]: beside the bends, and between hairpins."""
-        arcs = sum(abs(math.radians(angle)) * radius for angle, radius in self.curves)
-        return max(SHORTEST_STRAIGHT, (self.length - arcs) / self.straights) if self.curves else self.length / 2
+        return max(SHORTEST_STRAIGHT, (self.length - self._arcs) / self.straights) if self.curves else self.length / 2
+
+    @property
+    def too_short(self) -> bool:
+        """Whether its bends make the road longer than `length`."""
+        return bool(self.curves) and self.length < self._arcs + SHORTEST_STRAIGHT * self.straights
+
+    @property
+    def _arcs(self) -> float:
+        return sum(abs(math.radians(angle)) * radius for angle, radius in self.curves)
 
     @property
     def spans(self) -> tuple[tuple[float, float], ...]:

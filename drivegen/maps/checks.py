@@ -145,7 +145,10 @@ def _turn(road: Corridor | Highway) -> float | None:
 
 
 def _line_length(road: Corridor | Highway) -> float | None:
-    return float(road.alignment.length) if road.alignment.shape == "straight" else None
+    """The length that was asked for; None of bent roads, whose lanes differ in length, unless the bends take more than that."""
+    line = road.alignment
+    asked = line.shape == "straight" or (line.too_short and "length" in line.model_fields_set)
+    return float(line.length) if asked else None
 
 
 def _grid(road: Grid) -> dict[str, Any]:

@@ -97,3 +97,20 @@ def test_any_arcs_are_built(arcs: list[tuple[float, float]], length: float, shap
     for kind in ("corridor", "highway"):
         network = build_and_look({"kind": kind, "alignment": line}, left_hand)
         assert network.turn == pytest.approx(sum(abs(angle) for angle, _ in arcs), abs=5)
+
+
+@pytest.mark.parametrize("kind", ["corridor", "highway"])
+@pytest.mark.parametrize(
+    ("line", "failed"),
+    [
+        ({"angle": 180, "radius": 200, "length": 300}, ["length: asked 300.0"]),
+        ({"shape": "s_curve", "arcs": [(90, 150), (-90, 150)], "length": 200}, ["length: asked 200.0"]),
+        ({"angle": 90, "radius": 60, "length": 300}, []),
+        ({"angle": 90, "radius": 60, "length": 150}, []),  # 4 m too short
+        ({"angle": 180, "radius": 300}, []),  # nobody has asked for a length
+    ],
+)
+def test_a_bent_road_that_cannot_be_as_short_as_asked_says_so(kind: str, line: dict[str, Any], failed: list[str]) -> None:
+    road = {"kind": kind, "alignment": {"shape": "curve", **line}}
+    built = build_spec(MapSpec.model_validate({"road": road}), {})
+    assert [sentence[: len(begun)] for sentence, begun in zip(built.account["failed"], failed, strict=True)] == failed
