@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 LEVEL = 0.95
 """Coverage of every interval in this project."""
 
-_SCENE = re.compile(r"(-\d{5}-[^-]+|-\d+-\d{4,}|-\d{3}|(?<=-[0-9a-f]{12})-\d{1,2})$")
-"""What follows the recording in a scenario's id: first step and track in the corpus, seed and number on new maps, three digits
-where recordings are cut, the number of a window behind the UUID of a sensor log."""
+_SCENE = re.compile(r"(-\d{5}-[^-]+|-\d+-\d{4,}|-\d{1,3})$")
+"""What follows the recording in a scenario's id: first step and track in the corpus, seed and number on new maps, a number where
+recordings are cut. Ids of one's own are read likewise (`docs/data.md`)."""
 
 _MADE = re.compile(r"(-s\d{2,}|-new)+$")
 """What follows a scenario's id where a future of it, or new vehicles on its road, became a scenario of its own."""

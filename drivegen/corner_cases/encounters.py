@@ -169,7 +169,7 @@ def seen_since(valid: NDArray[np.bool_], step: NDArray[np.integer]) -> NDArray[n
     """The step from which on vehicles (..., T) are seen without a gap until `step` (...); LOOK_BACK before it at the earliest."""
     gap = np.maximum.accumulate(np.where(valid, -1, np.arange(valid.shape[-1])), axis=-1)
     behind = np.take_along_axis(gap, step[..., None], axis=-1)[..., 0] + 1
-    return np.minimum(np.maximum(behind, step - LOOK_BACK), step)
+    return np.asarray(np.minimum(np.maximum(behind, step - LOOK_BACK), step))
 
 
 def _behaviour(social: Trajectories, step: NDArray[np.integer]) -> NDArray[np.uint8]:

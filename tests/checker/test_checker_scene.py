@@ -235,18 +235,6 @@ def test_entering_on_red_is_illegal(state, flag):
     assert first == ([29] if flag else [-1])
 
 
-def test_who_comes_round_a_bend_from_beyond_the_line_is_held_by_its_light():
-    """Vehicles on the other side of a hairpin are beyond the line's plane before they are ahead of it."""
-    line = STRAIGHT[0] + [80.0, 0.0]
-    angle = np.radians(np.arange(90, 271, 10))[:, None]
-    bend = line + [-20.0, 6.0] + 6.0 * np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
-    way = np.concatenate([line[None] + [10.0, 12.0], bend, STRAIGHT[STRAIGHT[:, 0] > line[0] - 19.0]])
-    flags, _ = judge(CROSS, drive(way, 0, 8, STEPS), signals=lights(8, [SignalState.RED] * STEPS))
-    assert flags[0] & Violation.RED_LIGHT
-    green, _ = judge(CROSS, drive(way, 0, 8, STEPS), signals=lights(8, [SignalState.GREEN] * STEPS))
-    assert not green[0] & Violation.RED_LIGHT
-
-
 def test_a_light_that_turned_red_a_moment_ago_is_forgiven():
     motion = drive(STRAIGHT, 50, 10, STEPS)
     for since, flag in ((26, 0), (20, Violation.RED_LIGHT)):

@@ -106,8 +106,8 @@ def test_nothing_to_average_is_not_a_number():
         ("map-7-10000", "map"),
         ("cross-000-00-00110-35-new-s03", "cross-000-00"),
         ("cross-000-00-00110-35-s03-new", "cross-000-00"),
-        ("drive-01", "drive-01"),
-        ("scene-0001-12", "scene-0001-12"),
+        ("drive-01", "drive"),
+        ("drive_01", "drive_01"),
     ],
 )
 def test_a_recording_is_found_in_the_ids_that_every_data_set_writes(scenario_id, found):
