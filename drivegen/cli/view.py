@@ -132,7 +132,7 @@ def _record(scenario: Path, out: Path | None, console: Console) -> Path:
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
     shown = everybody(log, 1 if sensor else 0)  # velocities of a sensor log come from the frames before
-    record_scenario(path, shown, log_name="as in the folder")
+    record_scenario(path, shown, log_name="recorded")
     count = many(sum(kind in PLANNED_KINDS for kind in log.kind), "vehicle")
     notes = "".join(f"; {name}: {note}" for name, note in shown.notes.items())
     console.print(f"{len(shown.vehicles)} of {count}{notes}", soft_wrap=True, highlight=False, markup=False)
