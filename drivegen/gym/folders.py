@@ -45,8 +45,9 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     usable, found = [], dict[tuple[str, int], Path]()
     for file in files or _argoverse2(place):
         for scenario, number, motion in _of_shard(file, of, left_out) if files else _of_folder(file, left_out):
-            if (other := found.setdefault((scenario.scenario_id, number), file)) is not file:
+            if (other := found.get((scenario.scenario_id, number))) is not None:
                 raise UnusableInput(_twice(scenario.scenario_id, other, file))
+            found[scenario.scenario_id, number] = file
             if motion.valid[TARGET, :2].all():
                 usable.append((scenario, number, motion))
             else:
@@ -61,10 +62,10 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
 
 
 def _twice(scenario_id: str, one: Path, other: Path) -> str:
-    return (
-        f"{one} and {other} both hold a scenario {scenario_id}: take one away, or generate it anew with another --seed or from a"
-        " map of another name, which its id begins with"
+    places = (
+        f"{one} holds scenario {scenario_id} twice" if one == other else f"{one} and {other} both hold scenario {scenario_id}"
     )
+    return f"{places}: take one away, or generate it anew with another --seed or from a map of another name (ids begin with it)"
 
 
 def _of_shard(shard: Path, of: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:

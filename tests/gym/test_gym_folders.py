@@ -59,10 +59,13 @@ def test_two_scenarios_of_one_id_are_refused_by_both_places(tmp_path):
     scene = busy_crossing(110, "map-7-0000")
     for place in ("here", "there"):
         export_scenario(scene, scene.log, tmp_path / place, "map-7-0000-s00")
-    said = r"here/map-7-0000-s00 and .*there/map-7-0000-s00 both hold a scenario map-7-0000-s00: take one away, or generate it"
+    said = r"here/map-7-0000-s00 and .*there/map-7-0000-s00 both hold scenario map-7-0000-s00: take one away, or generate it"
     with pytest.raises(UnusableInput, match=said):
         read_traffic(tmp_path)
     for number in range(2):
         write_shard(tmp_path / "shards" / f"shard-0000{number}.parquet", [scene])
-    with pytest.raises(UnusableInput, match=r"shard-00000.parquet and .*shard-00001.parquet both hold a scenario map-7-0000:"):
+    with pytest.raises(UnusableInput, match=r"shard-00000.parquet and .*shard-00001.parquet both hold scenario map-7-0000:"):
         read_traffic(tmp_path / "shards")
+    write_shard(tmp_path / "shard" / "shard-00000.parquet", [scene, scene])
+    with pytest.raises(UnusableInput, match=r"shard-00000.parquet holds scenario map-7-0000 twice: take one away"):
+        read_traffic(tmp_path / "shard")
