@@ -65,7 +65,7 @@ def meeting(case: Case) -> Meeting:
     other = other.until(case.step + 1)
     met = encounters(own, own_size, other[np.newaxis], size[np.newaxis])
     mirrored = encounters(other, size, own[np.newaxis], own_size[np.newaxis])
-    since = int(seen_since(other.valid, np.asarray(case.step)))
+    since = _since(case)
     before = float(wrap_angle(np.asarray(other.heading[since] - own.heading[since])))
     return Meeting(
         Direction(int(met.direction[0])),
@@ -73,6 +73,11 @@ def meeting(case: Case) -> Meeting:
         Behaviour(int(met.behaviour[0])),
         Behaviour(int(mirrored.behaviour[0])),
     )
+
+
+def _since(case: Case) -> int:
+    """The step from which on what the other did before the collision was seen."""
+    return int(seen_since(case.other[0].valid, np.asarray(case.step)))
 
 
 def kind_of(case: Case) -> Kind:
@@ -100,7 +105,7 @@ def kind_of(case: Case) -> Kind:
 def _against(case: Case) -> Kind:
     """Of two that came towards one another. Who has only begun to turn when it is hit turns: its way afterwards says so."""
     other, own = case.other[0], case.traffic[TARGET]
-    since = int(seen_since(other.valid, np.asarray(case.step)))
+    since = _since(case)
     after = int(np.flatnonzero(other.valid[: case.step + LOOK_BACK + 1])[-1])
     if _turns_from(other, since, case.step, own):
         return Kind.ONCOMING_TURN
@@ -138,7 +143,7 @@ def _beside(case: Case) -> float | None:
     Who follows a bend turns with it, and who changes lanes slowly turns by as much as one who comes from another road.
     """
     other = case.other[0]
-    before = int(seen_since(other.valid, np.asarray(case.step)))
+    before = _since(case)
     if (beside := _alongside(case.traffic[TARGET], other.position[before])) is None:
         return None
     offset, heading = beside
@@ -157,7 +162,7 @@ def _alongside(mover: Trajectories, place: Floats) -> tuple[float, float] | None
 
 def _sideways(case: Case) -> tuple[float, float]:
     """[m] that the other, and the target, have come nearer to one another across the lane."""
-    steps = [int(seen_since(case.other[0].valid, np.asarray(case.step))), case.step]
+    steps = [_since(case), case.step]
     at, own_heading = case.driven.position[steps[1:]], case.driven.heading[steps[1:]]
     lane, nearest = LaneGraph.of(case.scenario.map).nearest(at, own_heading, radius=LANE_WIDTH, max_angle=ALONG)
     heading = float(nearest[0, 2] if lane[0] != NO_LANE else own_heading[0])

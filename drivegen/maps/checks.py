@@ -145,10 +145,13 @@ def _turn(road: Corridor | Highway) -> float | None:
 
 
 def _line_length(road: Corridor | Highway) -> float | None:
-    """The length that was asked for; None of bent roads, whose lanes differ in length, unless the bends take more than that."""
+    """The length that was asked for; None of bent roads, whose lanes differ in length, unless the bends take more than that.
+
+    The usual length is nobody's wish: where bends take more than it the road is as long as they need.
+    """
     line = road.alignment
-    asked = line.shape == "straight" or (line.too_short and "length" in line.model_fields_set)
-    return float(line.length) if asked else None
+    wished = line.length != type(line).model_fields["length"].default
+    return float(line.length) if line.shape == "straight" or (line.too_short and wished) else None
 
 
 def _grid(road: Grid) -> dict[str, Any]:

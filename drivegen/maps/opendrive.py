@@ -218,7 +218,7 @@ def _with_limits(xodr: bytes) -> bytes:
         types = [(_number(kind.get("s")), _limit(kind.find("speed"))) for kind in road.iterfind("type")]
         sections = road.findall("lanes/laneSection")
         ends = [*(_number(section.get("s")) for section in sections[1:]), _number(road.get("length"))]
-        for section, end in zip(sections, ends, strict=True):
+        for section, end in zip(sections, ends, strict=False):  # a damaged road may have no section
             limits = _limits(types, _number(section.get("s")), end)
             for lane in section.iter("lane"):
                 if lane.find("speed") is None:

@@ -21,7 +21,7 @@ EDGES = {"left_map_per_vehicle": "left the map", "beyond_rim": "steps beyond the
 EDGES_MEAN = (
     "Who drives out where the road network itself ends has left the map: that is no violation. Where a map is cut off the road "
     "goes on, though nobody knows how: no rule of the road is applied beyond that rim, where vehicles may still collide. Logs "
-    "end ahead of an exit (SUMO takes out who reaches it), so that nobody of theirs can be seen to leave. Of "
+    "of SUMO end ahead of an exit, where it takes out who reaches it, so that nobody of theirs can be seen to leave. Of "
     "generated traffic all steps count, of the log those that it has, so it is charged with less; for collisions in the "
     "log's steps alone see the shares of boxes that touch."
 )

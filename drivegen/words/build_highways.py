@@ -46,12 +46,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
     _share_out(events, road)
-    on_each = [merged(event["thing"]).value("on_each") for event in events]
-    each_way = any(fact.name == "change_to" and fact.text.endswith(_EACH_WAY) for fact in road.facts)
-    if each_way and "highway" not in names:
-        raise Unfit("lanes that begin or end in both directions are drawn of highways only: say 'a divided road'")
-    if (any(on_each) and (one_way or not all(on_each))) or (each_way and (one_way or len(events) > 1)):
-        raise Unfit("say 'the same on both carriageways', or what is on one of them")
+    both = _on_both(events, road, one_way, "highway" in names)
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
     limit = _ramp_limit(scene, road)
@@ -59,11 +54,18 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a limit of ramps is said, and no ramp")
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
-    return fields | {
-        "median": None if one_way else median,
-        "both": any(on_each) or each_way or road.value("both"),
-        "events": built,
-    }
+    return fields | {"median": None if one_way else median, "both": both or road.value("both"), "events": built}
+
+
+def _on_both(events: list[Event], road: Thing, one_way: bool, of_highway: bool) -> bool:
+    """Whether all that happens is said to happen on both carriageways. Raises Unfit where some of it is."""
+    on_each = [merged(event["thing"]).value("on_each") for event in events]
+    each_way = any(fact.name == "change_to" and fact.text.endswith(_EACH_WAY) for fact in road.facts)
+    if each_way and not of_highway:
+        raise Unfit("lanes that begin or end in both directions are drawn of highways only: say 'a divided road'")
+    if (any(on_each) and (one_way or not all(on_each))) or (each_way and (one_way or len(events) > 1)):
+        raise Unfit("say 'the same on both carriageways', or what is on one of them")
+    return any(on_each) or each_way
 
 
 def _share_out(events: list[Event], road: Thing) -> None:

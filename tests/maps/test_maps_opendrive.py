@@ -118,6 +118,13 @@ def test_a_roads_limit_may_change_on_the_way(types: str, limits: dict[float, flo
     assert {round(speed, 2): round(metres) for speed, metres in found.items()} == limits
 
 
+def test_a_road_without_a_lane_section_is_refused_in_a_sentence() -> None:
+    road = ROAD.format(types=KIND.format(0, 36, "km/h"))
+    damaged = road[: road.index("<laneSection")] + road[road.index("</laneSection>") + len("</laneSection>") :]
+    with pytest.raises(UnusableInput, match=r"a\.xodr"):
+        import_map(damaged.encode(), "a.xodr")
+
+
 @pytest.mark.parametrize(
     ("kind", "lanes"),
     [("driving", (2, 0, 0)), ("stop", (1, 0, 0)), ("parking", (1, 0, 0)), ("connectingRamp", (2, 0, 0)), ("slipLane", (2, 0, 0))],

@@ -36,6 +36,8 @@ def declined(text: str) -> str:
         ("a motorway with two lane drops, four lanes narrow to three", "one event or several"),
         ("a motorway that loses a lane; the right lane ends", "one event or several"),
         ("a street with a bus lane", "bus lanes"),
+        ("a country road with one lane each way that widens to two lanes per direction", "of highways only"),
+        ("a dual carriageway with a T-junction", "say what the other road is like"),
         ("a motorway, on-ramp from the left", "ramps on the left"),
         ("a motorway in a tunnel", "tunnels"),
         ("a motorway with -2 lanes", "-"),

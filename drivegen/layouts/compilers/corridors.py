@@ -115,7 +115,7 @@ def _open(
     back = way[0].startswith("-")
     ahead, behind = (line[::-1], line) if back else (line, line[::-1])
     lanes, others = (spec.lanes_back, spec.lanes) if back else (spec.lanes, spec.lanes_back)
-    others = 0 if spec.median else others
+    others = 0 if spec.median else others  # the node is not paved across a median: the other way goes on beyond it
     edge, far = -_clear(spec, back), -_clear(spec, not back)
     at = lines.length(line) - cut.along if back else cut.along
     beyond = spec.lane_width * others - far if others else edge
