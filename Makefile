@@ -45,13 +45,16 @@ clean:           ## remove what the pipeline made; DVC's cache stays, so `make r
 lock: $(INSTALLED)       ## write the versions that are installed now into constraints.txt
 	@$(BIN)/pip freeze --exclude-editable --disable-pip-version-check 2>/dev/null | sed 's/+cpu$$//' > constraints.txt
 
-# pip's warnings are many and of no use; its words are shown only if it fails. It compiles on one processor what Python compiles on all;
-# some files of packages are templates and cannot be.
+# Python keeps what it compiles, whatever the environment says: else each process compiles anew what it imports, for half a minute.
+unexport PYTHONDONTWRITEBYTECODE
+
+# pip's warnings are many and of no use; its words are shown only if it fails. Python's own pip is old and takes twice as long. pip
+# would compile every file of every package, of which a quarter is ever imported.
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 13) else f"DriveGen needs Python 3.11 or 3.12, {sys.executable} is {v[0]}.{v[1]}: try `make PYTHON=python3.12 run`")'
-	@echo "Installing pinned dependencies into .venv (some 3 minutes the first time) ..."
+	@echo "Installing pinned dependencies into .venv (some 2 minutes the first time) ..."
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[test]' > .venv/install.log 2>&1 \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --upgrade pip > .venv/install.log 2>&1 || true
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[test]' >> .venv/install.log 2>&1 \
 		|| { cat .venv/install.log >&2; exit 1; }
-	@$(BIN)/python -m compileall -q -j 0 -x '/(sumo|tests?)/' .venv/lib >> .venv/install.log 2>&1 || true
 	@touch $@
