@@ -121,7 +121,7 @@ def manoeuvres(start: AskedStart, samples: Samples, k: int) -> list[Item]:
             items.append(Item(order.manoeuvre.value, wording, False, 0.0))
             continue
         duty, natural = done[vehicle]
-        got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, routes[vehicle])
+        got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, routes[vehicle], start.scenario.map)
         items.append(Item(order.manoeuvre.value, wording, bool(got), natural))
     return items
 

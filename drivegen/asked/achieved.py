@@ -9,9 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.asked.goals import Duty
+from drivegen.asked.goals import Duty, end_of_crossing
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, TARGET, Trajectories, Vehicles
+from drivegen.placement.ways import crossed
 from drivegen.placement.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
 from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.line import Route
@@ -95,11 +97,13 @@ def _in_line(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: lis
     return True
 
 
-def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_routes: Sequence[Route]) -> bool:
+def does(
+    duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_routes: Sequence[Route], road_map: RoadMap
+) -> bool:
     """Whether the vehicle does its duty in the motion (N, T) of one sample, in time.
 
     `target_routes`, the one that the target follows first, and `own_routes` keep their lanes: what "in its lane" means for the
-    target and for the vehicle. Who leaves the map is looked at until then.
+    target and for the vehicle. Routes lie on `road_map`. Who leaves the map is looked at until then.
     """
     track, target = (_there(motion[n]) for n in (duty.vehicle, TARGET))
     if not track.steps or not target.steps:
@@ -115,6 +119,8 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
         return bool(turn > TURNED)
     if duty.manoeuvre is Manoeuvre.TURN_RIGHT:
         return bool(turn < -TURNED)
+    if duty.manoeuvre is Manoeuvre.GO_STRAIGHT:
+        return abs(turn) < TURNED and _gets_over(own_routes, road_map, track, last)
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
         return bool(own_routes) and _lasts(_changed(own_routes, track, side)[:last])
@@ -149,6 +155,17 @@ def _changed(routes: Sequence[Route], track: Trajectories, side: float) -> NDArr
             beside |= along & (side * d > CHANGED) & (side * d < FARTHER)
             on |= along & (np.abs(d) <= CHANGED)
     return beside & ~on
+
+
+def _gets_over(routes: Sequence[Route], road_map: RoadMap, track: Trajectories, last: int) -> bool:
+    """Whether a vehicle is beyond a junction on one of its own ways that others cross there."""
+    across = crossed(road_map)
+    for route in routes:
+        s, d = to_frenet(route, track.position[:last]).T
+        beyond = (np.abs(d) < OUT) & (s > end_of_crossing(route, road_map, across)) & (s < route.length)
+        if (beyond & _heads_along(route, s, track.heading[:last])).any():
+            return True
+    return False
 
 
 def _crosses(route: Route, track: Trajectories, last: int) -> bool:

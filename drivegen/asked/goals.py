@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from drivegen.asked.offered import HARD, HARDEST, offered, side_of
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, TARGET, Scenario
 from drivegen.core.signals import SignalState
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.manoeuvres import Manoeuvre as Way
+from drivegen.placement.ways import crossed
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import SPACING, Route
@@ -133,6 +135,8 @@ def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, 
         return np.asarray((own.manoeuvre == _DIRECT[duty.manoeuvre]) & changed)
     if duty.manoeuvre in TURNS:
         return _turning(scenario, candidates, duty, hastily)
+    if duty.manoeuvre is Manoeuvre.GO_STRAIGHT:
+        return _going_straight(scenario, own, duty.vehicle)
     speed = float(scenario.vehicles.speed[duty.vehicle])
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
         near = own.s <= speed**2 / (2 * HARD) + SPACING
@@ -154,10 +158,8 @@ def _turning(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, h
     length = float(scenario.vehicles.size[vehicle, 0])
     side = -1.0 if duty.manoeuvre is Manoeuvre.TURN_RIGHT else 1.0
     turned = side * wrap_angle(own.heading - scenario.vehicles.heading[vehicle]) > ROUND
-    green = [
-        number for number, route in enumerate(own.routes) if _green(scenario, route, float(scenario.vehicles.speed[vehicle]))
-    ]
-    fits = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own, length))
+    green = _on_green(scenario, own, vehicle)
+    fits = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & green & (hastily | _calm(own, length))
     if duty.manoeuvre is not Manoeuvre.TURN_LEFT_ACROSS:
         return np.asarray(fits)
     way = keeping(candidates[TARGET])
@@ -176,6 +178,31 @@ def _calm(own: Candidates, length: float) -> NDArray[np.bool_]:
         in_time = own.s[i] / (own.step[i] * DT) <= PACE * np.sqrt(CALM / max(float(bend.max(initial=0.0)), 1e-3))
         calm[i] = in_time and abs(way[-1] - way[-1 - min(int(length / 2 / SPACING) + 1, len(way) - 1)]) < OUT_OF_BEND
     return calm
+
+
+def _going_straight(scenario: Scenario, own: Candidates, vehicle: int) -> NDArray[np.bool_]:
+    """(C,) goals in the vehicle's lane, wholly beyond the first junction at which others cross its way, with green lights."""
+    across = crossed(scenario.map)
+    ends = np.array([end_of_crossing(route, scenario.map, across) for route in own.routes] + [np.inf])  # the last: NO_ROUTE
+    beyond = own.s - float(scenario.vehicles.size[vehicle, 0]) / 2 > ends[own.route]
+    return np.asarray(beyond & (own.manoeuvre == Way.KEEP) & _on_green(scenario, own, vehicle))
+
+
+def end_of_crossing(route: Route, road_map: RoadMap, crossed: NDArray[np.bool_]) -> float:
+    """Where on a route [m] the first junction ends that others cross, on lanes that are `crossed` (L,); inf if there is none.
+
+    Who begins within a junction does not go over it.
+    """
+    inside = road_map.in_junction[route.lane]
+    at = np.flatnonzero(crossed[route.lane] & (np.cumsum(~inside) > 0))
+    out = np.flatnonzero(~inside[at[0] :]) if len(at) else at
+    return float(at[0] + out[0]) * SPACING if len(out) else np.inf
+
+
+def _on_green(scenario: Scenario, own: Candidates, vehicle: int) -> NDArray[np.bool_]:
+    """(C,) goals on routes whose lights are green as the vehicle gets there."""
+    speed = float(scenario.vehicles.speed[vehicle])
+    return np.isin(own.route, [number for number, route in enumerate(own.routes) if _green(scenario, route, speed)])
 
 
 def _green(scenario: Scenario, route: Route, speed: float) -> bool:

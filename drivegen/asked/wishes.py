@@ -8,7 +8,7 @@ import numpy as np
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET
 from drivegen.core.settings import Count, Positive
-from drivegen.placement.where import FARTHEST, Relation, Side, Wish
+from drivegen.placement.where import FARTHEST, Relation, Turn, Wish
 from drivegen.words.request import MOST, Density, Group, Kind, Manoeuvre, TrafficRequest
 
 _PLACE = {
@@ -33,7 +33,8 @@ FASTER = 1.35
 TURNING = 5.5
 """Who turns begins no faster [m/s], unless a speed is asked for: a turn has to be braked for."""
 
-_TURNS = {Manoeuvre.TURN_LEFT: Side.LEFT, Manoeuvre.TURN_RIGHT: Side.RIGHT, Manoeuvre.TURN_LEFT_ACROSS: Side.LEFT}
+_TURNS = {Manoeuvre.TURN_LEFT: Turn.LEFT, Manoeuvre.TURN_RIGHT: Turn.RIGHT, Manoeuvre.TURN_LEFT_ACROSS: Turn.LEFT}
+_THROUGH = {**_TURNS, Manoeuvre.GO_STRAIGHT: Turn.STRAIGHT}
 
 _CALM_BRAKING, _STANDING_ROOM = 1.5, 10.0
 """The target could stop [m/s2] so far [m] before what stands ahead of it, centre to centre."""
@@ -86,7 +87,7 @@ def cast(
     right. Raises UnusableInput for an unknown density.
     """
     fill = _fill(request.density, densities)
-    own = Wish(speed=_approach(request), turn=_TURNS.get(request.target_does) if request.target_does else None)
+    own = Wish(speed=_approach(request), turn=_THROUGH.get(request.target_does) if request.target_does else None)
     kinds, wishes, group = [request.target_kind or Kind.CAR], [own], [-1]
     orders = [Order(TARGET, request.target_does, None)] if request.target_does else []
     ordered = sorted(range(len(request.groups)), key=lambda i: not _wished(request.groups[i]))
@@ -140,7 +141,7 @@ def _wish(group: Group, which: int, number: int, speed: float | None, random: np
         return Wish(beside=number - 1, ahead=group.place in (None, Relation.AHEAD), speed=group.speed)
     place, turn = group.place, None
     if which == 0 and group.manoeuvre is not None:
-        turn = _TURNS.get(group.manoeuvre)
+        turn = _THROUGH.get(group.manoeuvre)
         place = _place(group.manoeuvre, place, random)
         if group.manoeuvre is Manoeuvre.STOPPED:
             own = 0.0

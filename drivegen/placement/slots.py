@@ -1,5 +1,7 @@
 """Where vehicles can stand on a map: points along the lanes, how fast one may go there, and how far lanes lie apart."""
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,7 +50,6 @@ class Slots:
         limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
         road_ahead: (Q,) float64 [m] of lanes that can be driven from here without changing lanes, FAR at most.
         to_junction: (Q,) [m] along the lanes to where a junction begins; inf where none does near.
-        to_turn: (Q, 2) [m] to the junction at which the lane leads into a turn to the left, right; inf where it does not.
         lane_limit: (Q,) [m/s] the lane's speed limit.
         ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrower end of each lane.
     """
@@ -70,10 +71,14 @@ class Slots:
         self.road_ahead = np.minimum((_road_from_start(road_map.links, self.length))[self.lane] - self.along, FAR)
         self.lane_limit = limits(road_map)[self.lane]
         self.to_junction = to_junction(road_map, self.ways)[self.lane] + self.length[self.lane] - self.along
-        self.to_turn = np.where(turns(road_map, self.ways)[self.lane], (self.length[self.lane] - self.along)[:, None], np.inf)
 
     def __len__(self) -> int:
         return len(self.lane)
+
+    @cached_property
+    def to_turn(self) -> NDArray[np.float64]:
+        """(Q, 3) [m] to the junction through which the lane leads as each member of `Turn` says; inf where it does not."""
+        return np.where(turns(self.map, self.ways)[self.lane], (self.length[self.lane] - self.along)[:, None], np.inf)
 
     def limit_before(self, closed: NDArray[np.int32]) -> NDArray[np.float64]:
         """`limit` (Q,) where the lanes `closed` (C,) must not be entered now, as behind a red light."""

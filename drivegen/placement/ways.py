@@ -2,7 +2,8 @@
 
 import heapq
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, arc_length, line_heading, wrap_angle
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.signals import Signals, SignalState
+from drivegen.roads.gates import first_crossing
 
 CLOSED = (SignalState.RED, SignalState.YELLOW)
 """Nobody starts moving just before a signal that shows one of these."""
@@ -23,6 +25,17 @@ REACH = 120.0
 
 TURN = (np.deg2rad(50), np.deg2rad(130))
 """A way across a junction that changes direction by as much is a turn [rad]; more is a U-turn."""
+
+CROSSES = np.deg2rad(30)
+"""Ways that meet at a smaller angle [rad] merge or part; they do not cross."""
+
+
+class Turn(StrEnum):
+    """How a vehicle goes through a junction; STRAIGHT: over one at which other ways cross its own."""
+
+    LEFT = "left"
+    RIGHT = "right"
+    STRAIGHT = "straight"
 
 
 _Reached = tuple[NDArray[np.intp], NDArray[np.float64]]
@@ -114,28 +127,53 @@ def to_junction(road_map: RoadMap, ways: Ways) -> NDArray[np.float64]:
 
 
 def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:
-    """(L, 2) whether the junction at each lane's end can be left by a turn to the left, right.
+    """(L, 3) whether each lane's end leads through a junction to the left, to the right, straight on: the members of `Turn`.
 
     A way round a ring is several junctions, none of them turned at: what leads round it is no turn.
     """
-    bends = np.zeros((len(road_map), 2), np.bool_)
-    low, high = TURN
+    leads = np.zeros((len(road_map), 3), np.bool_)
+    (low, high), across = TURN, crossed(road_map)
     for lane in np.flatnonzero(~road_map.in_junction).tolist():
         arrives = line_heading(road_map.centreline[lane][-2:].astype(np.float64))[-1]
-        leaves = [line_heading(road_map.centreline[after][:2].astype(np.float64))[0] for after in _beyond(road_map, ways, lane)]
-        change = wrap_angle(np.array(leaves) - arrives)
-        bends[lane] = ((change > low) & (change < high)).any(), ((-change > low) & (-change < high)).any()
-    return bends
+        for after, crosses in _beyond(road_map, ways, lane, across):
+            leaves = line_heading(road_map.centreline[after][:2].astype(np.float64))[0]
+            change = float(wrap_angle(np.asarray(leaves - arrives)))
+            leads[lane] |= low < change < high, low < -change < high, crosses and abs(change) < low
+    return leads
 
 
-def _beyond(road_map: RoadMap, ways: Ways, lane: int) -> list[int]:
-    """Lanes that a junction at the lane's end leads to."""
-    inside, visited, beyond = [i for i in ways.onward.get(lane, []) if road_map.in_junction[i]], set[int](), []
+def _beyond(road_map: RoadMap, ways: Ways, lane: int, crossed: NDArray[np.bool_]) -> Iterator[tuple[int, bool]]:
+    """Lanes that a junction at the lane's end leads to, and whether the way there is `crossed` (L,) by another."""
+    inside, visited = (
+        [(i, bool(crossed[i])) for i in ways.onward.get(lane, []) if road_map.in_junction[i]],
+        set[tuple[int, bool]](),
+    )
     while inside:
-        here = inside.pop()
+        here, crosses = inside.pop()
         if not road_map.in_junction[here]:
-            beyond.append(here)
-        elif here not in visited:
-            visited.add(here)
-            inside += ways.onward.get(here, [])
-    return beyond
+            yield here, crosses
+        elif (here, crosses) not in visited:
+            visited.add((here, crosses))
+            inside += [(after, crosses or bool(crossed[after])) for after in ways.onward.get(here, [])]
+
+
+def crossed(road_map: RoadMap) -> NDArray[np.bool_]:
+    """(L,) whether each lane is a way over a junction that another crosses; none does where motorways merge or lose lanes."""
+    inside = np.flatnonzero(road_map.in_junction & road_map.for_vehicles)
+    line = road_map.centreline
+    low, high = (np.array([edge(line[lane], axis=0) for lane in inside.tolist()]).reshape(-1, 2) for edge in (np.min, np.max))
+    found = np.zeros(len(road_map), np.bool_)
+    for k, lane in enumerate(inside.tolist()):
+        near = k + 1 + np.flatnonzero(((low[k + 1 :] <= high[k]) & (low[k] <= high[k + 1 :])).all(-1))
+        for other in inside[near].tolist():
+            if not (found[lane] and found[other]) and _cross(road_map, lane, other):
+                found[lane] = found[other] = True
+    return found
+
+
+def _cross(road_map: RoadMap, lane: int, other: int) -> bool:
+    line, towards = road_map.centreline, []
+    for a, b in ((lane, other), (other, lane)):
+        meet, _, _, dx, dy = first_crossing(line.points, *line.start[[a, a + 1]], *line.start[[b, b + 1]])
+        towards.append(np.arctan2(dy, dx))
+    return bool(meet) and abs(float(wrap_angle(np.asarray(towards[0] - towards[1])))) > CROSSES

@@ -1,7 +1,6 @@
 """Places beside the target: which slots are ahead of it, behind it, in the lane to its left, oncoming, and so on."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.relation import Relation as Relation
 from drivegen.placement.slots import Slots
+from drivegen.placement.ways import Turn as Turn
 
 NEAREST, FARTHEST = 4.0, 80.0
 """Distance along the road [m], centre to centre, at which a vehicle is "ahead" or "behind" where no distance is said."""
@@ -32,17 +32,10 @@ _OPPOSITE_SIDE = 40.0
 
 
 TURN_BEGINS = (6.0, 28.0)
-"""Who is to turn stands so far [m] before the junction: near enough to be round it within the scenario."""
+"""Who is to go through a junction stands so far [m] before it: near enough to be through within the scenario."""
 
 _BETWEEN = 8.0
 """An oncoming vehicle that turns across the target's way does so this far [m] before the target at least."""
-
-
-class Side(StrEnum):
-    """To which side a vehicle turns at a junction."""
-
-    LEFT = "left"
-    RIGHT = "right"
 
 
 @dataclass(frozen=True)
@@ -53,7 +46,7 @@ class Wish:
         relation: where it stands as seen from the target. distance: how far along the road, centre to centre [m].
         beside: it stands next in a queue to the vehicle of this number: behind it, or `ahead` of it; then it has no relation.
         speed: at the first frame [m/s], as far as the road allows.
-        turn: it stands where its lane soon leads into a turn to that side, if any of the places wished for is such.
+        turn: it stands where its lane soon leads so through a junction, if any of the places wished for is such.
         anywhere: where there is no such place, or none is free, it stands as if nothing were wished.
     """
 
@@ -62,7 +55,7 @@ class Wish:
     beside: int | None = None
     ahead: bool = False
     speed: float | None = None
-    turn: Side | None = None
+    turn: Turn | None = None
     anywhere: bool = False
 
     @property
@@ -71,9 +64,9 @@ class Wish:
         return self.relation is not None or self.beside is not None
 
 
-def before_turn(slots: Slots, side: Side) -> NDArray[np.bool_]:
-    """(Q,) which slots lie just before a junction at which their lane leads into a turn to `side`."""
-    away = slots.to_turn[:, 0 if side is Side.LEFT else 1]
+def before_turn(slots: Slots, turn: Turn) -> NDArray[np.bool_]:
+    """(Q,) which slots lie just before a junction through which their lane leads to the left, to the right or straight on."""
+    away = slots.to_turn[:, list(Turn).index(turn)]
     return np.asarray((away >= TURN_BEGINS[0]) & (away <= TURN_BEGINS[1]))
 
 
@@ -87,7 +80,7 @@ def standing_to_turn(slots: Slots, target: int, wish: Wish) -> NDArray[np.bool_]
     if wish.turn is None:
         return stands
     stands = stands & before_turn(slots, wish.turn)
-    if wish.relation is Relation.ONCOMING and wish.turn is Side.LEFT:
+    if wish.relation is Relation.ONCOMING and wish.turn is Turn.LEFT:
         x = to_vehicle_frame(slots.position, slots.position[target], slots.heading[target])[:, 0]
         stands = stands & (x > slots.to_turn[:, 0] + _BETWEEN)
     return np.asarray(stands)

@@ -15,7 +15,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Grammar, Item
-from drivegen.words.request import TrafficRequest
+from drivegen.words.request import AT_JUNCTIONS, TrafficRequest
 from drivegen.words.roads import specification
 from drivegen.words.saying import sentences
 from drivegen.words.scene import scene_of
@@ -54,7 +54,8 @@ class Words:
 def grammar(*, traffic: bool = True) -> Grammar:
     """The whole table, or that of roads alone."""
     moving = table("traffic") if traffic else ()
-    return Grammar((*table("roads"), *table("lines"), *moving, *table("cannot"), *absent()), silent())
+    says_nothing = silent() - words("alike") if traffic else silent()  # "so does the bus": it does what nobody reads
+    return Grammar((*table("roads"), *table("lines"), *moving, *table("cannot"), *absent()), says_nothing)
 
 
 def covers_of(tokens: Sequence[Token]) -> list[Cover]:
@@ -76,12 +77,19 @@ def meaning(items: Sequence[Item], choices: Choices) -> Words:
     spec = specification(road, choices) if road.things or road.whole.facts or road.links else None
     if lit and (spec is None or '"control":"signals"' not in spec.model_dump_json()):
         raise Unfit("vehicles are said to stand at a traffic light, and no road with traffic lights is described")
+    if spec is not None and not _has_junctions(spec) and asked.manoeuvres & AT_JUNCTIONS:
+        raise Unfit("vehicles turn or go straight at junctions, and the road that is described has none")
     named = {side for thing in traffic.things for fact in thing.facts for side in _OUTER_LANE.findall(fact.text)}
     if len(named) > 1 or (named and spec is not None and _lanes(spec) > 2):
         raise Unfit(
             f"in which lane the target is nobody says: not 'in the {min(named)} lane' but 'on the {min(named)} of the target'"
         )
     return Words(spec, asked)
+
+
+def _has_junctions(spec: MapSpec) -> bool:
+    """Whether roads meet: ramps and lanes that end are no junctions."""
+    return spec.road.kind != "highway" and getattr(spec.road, "junctions", True) != ()
 
 
 def _lanes(spec: MapSpec) -> int:

@@ -45,7 +45,7 @@ class Manoeuvre(StrEnum):
 
     CUT_IN: from a lane beside the target's into it, in front of the target. HARD_BRAKING: the leader brakes by more than
     is comfortable. STOPPED: stands ahead of the target throughout. OVERTAKE: begins behind the target and ends ahead of it.
-    TURN_LEFT_ACROSS: oncoming, turns left across the target's way.
+    TURN_LEFT_ACROSS: oncoming, turns left across the target's way. GO_STRAIGHT: straight on over a junction that others cross.
     """
 
     CUT_IN = "cut_in"
@@ -55,8 +55,13 @@ class Manoeuvre(StrEnum):
     TURN_LEFT_ACROSS = "turn_left_across"
     TURN_LEFT = "turn_left"
     TURN_RIGHT = "turn_right"
+    GO_STRAIGHT = "go_straight"
     CHANGE_LEFT = "change_left"
     CHANGE_RIGHT = "change_right"
+
+
+AT_JUNCTIONS = frozenset({Manoeuvre.TURN_LEFT_ACROSS, Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT, Manoeuvre.GO_STRAIGHT})
+"""What can be done where roads meet alone."""
 
 
 class _Part(BaseModel):
@@ -118,6 +123,12 @@ class TrafficRequest(_Part):
     def kinds(self) -> Counter[Kind]:
         """How many of each kind."""
         return Counter(group.kind for group in self.groups for _ in range(group.count))
+
+    @property
+    def manoeuvres(self) -> frozenset[Manoeuvre]:
+        """What somebody is to do, the target included."""
+        done = (self.target_does, *(group.manoeuvre for group in self.groups))
+        return frozenset(manoeuvre for manoeuvre in done if manoeuvre is not None)
 
     def __bool__(self) -> bool:
         return self != TrafficRequest()

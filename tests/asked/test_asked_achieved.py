@@ -7,6 +7,7 @@ from drivegen.asked.achieved import does, stands
 from drivegen.asked.goals import Duty
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import Trajectories
+from drivegen.placement.ways import crossed
 from drivegen.placement.where import Relation
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import Route
@@ -27,13 +28,13 @@ def done(roads: RoadMap, target: Trajectories, other: Trajectories) -> set[Manoe
     """Lane changes and cut-ins that the other vehicle is said to have made."""
     lines = [keeping(roads, track) for track in (target, other)]
     asked = (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT, Manoeuvre.CUT_IN)
-    return {m for m in asked if does(Duty(1, m, None), stack([target, other]), lines[0][:1], lines[1])}
+    return {m for m in asked if does(Duty(1, m, None), stack([target, other]), lines[0][:1], lines[1], roads)}
 
 
 def turns(track: Trajectories) -> set[Manoeuvre]:
     """Turns that the vehicle is said to have made."""
     both = stack([way(STRAIGHT, 0, 8), track])
-    return {m for m in (Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT) if does(Duty(1, m, None), both, (), ())}
+    return {m for m in (Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT) if does(Duty(1, m, None), both, (), (), CROSSING)}
 
 
 def keeping(roads: RoadMap, track: Trajectories) -> list[Route]:
@@ -73,6 +74,34 @@ def test_whoever_drives_straight_on_through_a_ring_has_turned_to_neither_side():
 @pytest.mark.parametrize(("lanes", "turn"), [((0, 9, 5), Manoeuvre.TURN_LEFT), ((0, 10, 7), Manoeuvre.TURN_RIGHT)])
 def test_whoever_leaves_a_crossing_to_a_side_has_turned(lanes, turn):
     assert turns(way(lanes, 40, 9)) == {turn}
+
+
+def goes_straight(roads: RoadMap, track: Trajectories, within: float | None = None) -> bool:
+    both = stack([track, track])
+    return does(Duty(1, Manoeuvre.GO_STRAIGHT, within), both, (), keeping(roads, track), roads)
+
+
+def test_whoever_gets_over_a_crossing_without_a_turn_goes_straight():
+    assert goes_straight(CROSSING, way(STRAIGHT, 60, 8))
+    assert goes_straight(CROSSING, way(FROM_LEFT, 60, 8))
+    assert not goes_straight(CROSSING, way(STRAIGHT, 60, 8), within=2.0)
+    assert not goes_straight(CROSSING, way(STRAIGHT, 5, 6))  # it does not get there
+    assert not goes_straight(CROSSING, way(STRAIGHT, 90, 8))  # it begins within the junction
+    assert not goes_straight(CROSSING, way(STRAIGHT, 120, 8))  # and this one behind it
+    for turning in ((0, 9, 5), (0, 10, 7)):
+        assert not goes_straight(CROSSING, way(turning, 60, 8))
+
+
+def test_where_nothing_crosses_nobody_goes_straight_over():
+    merging = [
+        np.array([[0.0, 0.0], [100.0, 0.0]]),
+        np.array([[100.0, 0.0], [120.0, 0.0]]),
+        np.array([[120.0, 0.0], [300.0, 0.0]]),
+    ]
+    ramp = [np.array([[0.0, -20.0], [100.0, -3.5]]), np.array([[100.0, -3.5], [120.0, 0.0]])]
+    roads = road_map([*merging, *ramp], links=[(0, 1), (1, 2), (3, 4), (4, 2)], in_junction=[1, 4])
+    assert not crossed(roads).any()
+    assert not goes_straight(roads, drive(np.concatenate(merging), 60, 8, 101))
 
 
 @pytest.mark.parametrize("across", [FROM_LEFT, FROM_RIGHT])

@@ -201,8 +201,11 @@ def test_beside_a_density_trucks_and_buses_do_not_say_how_many_there_are(text, v
     assert sum(kind.value == "bus" for kind in asked.kinds) == text.count("two buses") * 2 + text.count("a bus")
 
 
+ROAD = straight_road(600, 2)
+
+
 def two_lanes(*motions):
-    scene = scenario(straight_road(600, 2), stack(list(motions)))
+    scene = scenario(ROAD, stack(list(motions)))
     graph = LaneGraph.of(scene.map)
     routes = [
         next(r for r in feasible_routes(graph, p, float(h), 10.0, 300.0) if r.lane_changes == 0)
@@ -223,29 +226,29 @@ def changing(start, speed, at, steps=101):
 
 def test_cut_ins_are_told_from_driving_beside_and_in_time():
     log, routes = two_lanes(right_lane(20, 10), changing(35, 10, 60))
-    assert does(Duty(1, Manoeuvre.CUT_IN, None), log, routes[:1], routes[1:2])
-    assert does(Duty(1, Manoeuvre.CHANGE_RIGHT, None), log, routes[:1], routes[1:2])
-    assert not does(Duty(1, Manoeuvre.CUT_IN, 1.0), log, routes[:1], routes[1:2])
+    assert does(Duty(1, Manoeuvre.CUT_IN, None), log, routes[:1], routes[1:2], ROAD)
+    assert does(Duty(1, Manoeuvre.CHANGE_RIGHT, None), log, routes[:1], routes[1:2], ROAD)
+    assert not does(Duty(1, Manoeuvre.CUT_IN, 1.0), log, routes[:1], routes[1:2], ROAD)
     late = log.until(20)
-    assert not does(Duty(1, Manoeuvre.CUT_IN, None), late, routes[:1], routes[1:2])
+    assert not does(Duty(1, Manoeuvre.CUT_IN, None), late, routes[:1], routes[1:2], ROAD)
     behind, lines = two_lanes(right_lane(90, 10), changing(35, 10, 60))
-    assert not does(Duty(1, Manoeuvre.CUT_IN, None), behind, lines[:1], lines[1:2])
+    assert not does(Duty(1, Manoeuvre.CUT_IN, None), behind, lines[:1], lines[1:2], ROAD)
 
 
 def test_braking_overtaking_and_standing_are_measured():
     log, routes = two_lanes(right_lane(50, 8), right_lane(90, 12, -BRAKING - 1), right_lane(130, 12, -1.0), right_lane(10, 0))
-    assert does(Duty(1, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[1:2])
-    assert not does(Duty(2, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[2:3])
-    assert does(Duty(3, Manoeuvre.STOPPED, None), log, routes[:1], routes[3:4])
-    assert not does(Duty(1, Manoeuvre.STOPPED, None), log, routes[:1], routes[1:2])
+    assert does(Duty(1, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[1:2], ROAD)
+    assert not does(Duty(2, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[2:3], ROAD)
+    assert does(Duty(3, Manoeuvre.STOPPED, None), log, routes[:1], routes[3:4], ROAD)
+    assert not does(Duty(1, Manoeuvre.STOPPED, None), log, routes[:1], routes[1:2], ROAD)
     fast, lines = two_lanes(right_lane(50, 5), changing(20, 15, 900))
-    assert does(Duty(1, Manoeuvre.OVERTAKE, None), fast, lines[:1], lines[1:2])
-    assert not does(Duty(1, Manoeuvre.OVERTAKE, 1.0), fast, lines[:1], lines[1:2])
+    assert does(Duty(1, Manoeuvre.OVERTAKE, None), fast, lines[:1], lines[1:2], ROAD)
+    assert not does(Duty(1, Manoeuvre.OVERTAKE, 1.0), fast, lines[:1], lines[1:2], ROAD)
     gone = replace(fast, valid=fast.valid & (np.arange(2)[:, None] != 1))
-    assert not does(Duty(1, Manoeuvre.OVERTAKE, None), gone, lines[:1], lines[1:2])
+    assert not does(Duty(1, Manoeuvre.OVERTAKE, None), gone, lines[:1], lines[1:2], ROAD)
     for until, overtakes in ((60, True), (20, False)):  # it leaves the map then
         left = replace(fast, valid=fast.valid & ((np.arange(2)[:, None] != 1) | (np.arange(101) < until)))
-        assert does(Duty(1, Manoeuvre.OVERTAKE, None), left, lines[:1], lines[1:2]) == overtakes
+        assert does(Duty(1, Manoeuvre.OVERTAKE, None), left, lines[:1], lines[1:2], ROAD) == overtakes
 
 
 def turning_start(initialised, words):
@@ -279,6 +282,26 @@ def test_who_turns_has_a_goal_beyond_the_turn_begins_slowly_and_meets_no_red_lig
     green = replace(scene.signals, state=np.full_like(scene.signals.state, SignalState.GREEN))
     eager = realising(replace(scene, signals=green), made.ordered.choices.candidates, duty, hastily=True)
     assert (eager >= bound).all()
+
+
+@pytest.mark.parametrize(("words", "who"), [("the target goes straight on", 0), ("a car from the left goes straight", 1)])
+def test_who_goes_straight_stands_before_the_crossing_and_has_goals_wholly_beyond_it(junction, words, who):
+    made = turning_start(junction, words)
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    assert duty.vehicle == made.vehicle(who)
+    own, scene = made.ordered.choices.candidates[duty.vehicle], made.scenario
+    bound = made.ordered.choices.used[duty.vehicle] > 0
+    inside = scene.map.in_junction
+    for route, s in zip(own.route[bound].tolist(), own.s[bound].tolist(), strict=True):
+        rear = int(s - scene.vehicles.size[duty.vehicle, 0] / 2)
+        lanes = own.routes[route].lane
+        assert not inside[lanes[0]]
+        assert inside[lanes[:rear]].any()
+        assert not inside[lanes[rear + 1]]
+    assert (np.abs(wrap_angle(own.heading[bound] - scene.vehicles.heading[duty.vehicle])) < 0.3).all()
+    red = replace(scene.signals, state=np.full_like(scene.signals.state, SignalState.RED))
+    assert not realising(replace(scene, signals=red), made.ordered.choices.candidates, duty).any()
 
 
 def test_a_goal_in_the_middle_of_a_turn_across_the_targets_way_does_not_realise_it(junction):

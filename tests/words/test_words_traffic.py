@@ -22,6 +22,9 @@ from drivegen.words.read import read
         ("a car 30 m ahead in the left lane", "There is 1 car 30 m ahead on the left of the target vehicle."),
         ("cut-in from the left", "There is 1 vehicle coming from the left of the target vehicle cutting in."),
         ("somebody overtakes us", "There is 1 vehicle overtaking the target."),
+        ("a bus from the right goes straight", "There is 1 bus coming from the right going straight over the junction."),
+        ("an oncoming car that continues straight ahead", "There is 1 car oncoming going straight over the junction."),
+        ("our car goes straight on", "The target is going straight over the junction."),
         ("four cars, two ahead, two behind", "There are 2 cars ahead. There are 2 cars behind."),
         (
             "preceding vehicle 40 m ahead doing 60 km/h, ego at 80 km/h",
@@ -47,6 +50,21 @@ def test_what_engineers_type_is_what_is_said_plainly(text, plain):
 def test_the_left_lane_of_more_than_two_is_not_left_of_the_target(text):
     with pytest.raises(UnusableInput, match="in which lane the target is"):
         read(text, 7)
+
+
+@pytest.mark.parametrize("so", ["a bus behind does too", "so does the bus behind", "the bus behind does", "the bus behind too"])
+def test_what_another_does_too_is_not_left_out(so):
+    with pytest.raises(UnusableInput, match=r"I do not read '(does|too)'"):
+        read(f"the ego turns left, {so}", 7)
+    assert read("can you do a crossroads with left-turn lanes too?", 7).road is not None
+
+
+@pytest.mark.parametrize("does", ["turns left", "goes straight on", "turns left across our path"])
+@pytest.mark.parametrize("road", ["a two-lane road", "a motorway with an on-ramp"])
+def test_nobody_turns_or_crosses_where_the_road_has_no_junction(road, does):
+    with pytest.raises(UnusableInput, match="the road that is described has none"):
+        read(f"{road}, a car {does}", 7)
+    assert read(f"a street with two crossings, a car {does}", 7).traffic.manoeuvres
 
 
 def test_the_targets_speed_is_not_the_traffics():
