@@ -17,9 +17,9 @@ from drivegen.metrics.displacement import scene_errors, standing_at_exit, summar
 from drivegen.metrics.safety import safety_rates
 from drivegen.rollout.additions import VARIANTS, with_additions
 from drivegen.store.files import write_json
+from drivegen.store.lookup import futures_in
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import shards
 from stages._door import enter, require, spread
 
 
@@ -60,7 +60,7 @@ def main(params: Params, scenarios: Path, models: Path, generated: Path, results
 def _score_shard(task: Task) -> dict[str, dict[str, float]]:
     """Metrics of every scenario with a log, by its id."""
     limits, by_scene = read_limits(task.models), {}
-    for scenario, samples in zip(read_shard(task.shard), read_samples(task.generated), strict=True):
+    for scenario, samples in futures_in(task.generated, task.shard.parent):
         if scenario.log is None:
             continue
         metrics = {"steps": float(scenario.steps)}

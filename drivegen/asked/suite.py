@@ -81,8 +81,8 @@ def _plain(request: TrafficRequest) -> tuple[Any, ...]:
         tuple(round(v, 2) if isinstance(v, float) else v for v in group.model_dump(mode="json").values()).__repr__()
         for group in request.groups
     )
-    speed = None if request.speed is None else round(request.speed, 2)
-    return (groups, request.density, speed, request.target_kind, request.target_does)
+    speeds = [None if speed is None else round(speed, 2) for speed in (request.speed, request.target_speed)]
+    return (groups, request.density, *speeds, request.target_kind, request.target_does)
 
 
 @dataclass(frozen=True)
@@ -100,32 +100,35 @@ class Bench:
     def row(self, request: Request, name: str, initialiser: Initialiser) -> dict[str, Any]:
         """One request on one map: what was understood, what was got, what it cost.
 
-        What was got is measured against the reading, item by item; a misreading counts as one more item that was not got, so
-        that things which nobody read are not counted one by one.
+        What was got is measured against the reading, item by item; a misreading, or none, counts as one more item that was not
+        got, so that things which nobody read are not counted one by one.
         """
         try:
-            read = self.read(request.text)
+            read, reason = self.read(request.text), ""
         except UnusableInput as error:
-            return {"text": request.text, "map": name, "read_as_meant": not request.means, "reason": error.reason, "items": []}
-        row = {"text": request.text, "map": name, "read_as_meant": as_meant(read, request.means), "reason": ""}
+            read, reason = TrafficRequest(), error.reason
+        meant = as_meant(read, request.means)
+        row = {"text": request.text, "map": name, "read_as_meant": meant, "reason": reason}
+        lost = [] if meant else [Item("misread", "what the words mean", False)] * self.samples
         if not read or not request.means:
-            return {**row, "items": []}
+            return {**row, "items": [asdict(item) for item in lost]}
         made = start(
             initialiser, f"asked-{name}", read, self.settings, self.vehicles, self.tools.selector, self.generation, self.seed
         )
         bound, free = self._rolled(made.ordered.choices), self._rolled(made.free)
-        return {**row, **self._told(request, read, made, bound, free)}
+        return {**row, **self._told(read, made, bound, free, lost)}
 
     def _rolled(self, choices: Choices) -> Samples:
         return roll_out(
             [choices], self.tools.planner, self.tools.limits, self.generation.rollout, self.samples, self.seed, "asked"
         )[0]
 
-    def _told(self, request: Request, read: TrafficRequest, made: AskedStart, bound: Samples, free: Samples) -> dict[str, Any]:
+    def _told(
+        self, read: TrafficRequest, made: AskedStart, bound: Samples, free: Samples, lost: Sequence[Item]
+    ) -> dict[str, Any]:
         items = [item for k in range(self.samples) for item in self._first_frame(read, made, ~bound.dropped[k])]
         done = [manoeuvres(made, bound, k) for k in range(self.samples)]
         by_chance = [manoeuvres(made, free, k) for k in range(self.samples)]
-        lost = [] if as_meant(read, request.means) else [Item("misread", "what the words mean", False)] * self.samples
         return {
             "vehicles": len(made.scenario.vehicles),
             "asked_vehicles": len(made.cast),
@@ -203,7 +206,10 @@ def _rates(rows: Sequence[tuple[bool, bool | None, float | None, Mapping[str, An
         "got": float(np.mean([got for got, *_ in rows])),
         "by_chance": float(np.mean(chance)) if chance else None,
         "natural": float(np.median(natural)) if natural else None,
-        "illegal": float(np.mean([row["illegal"] for *_, row in rows])),
-        "illegal_free": float(np.mean([row["illegal_free"] for *_, row in rows])),
+        **{name: _mean([row[name] for *_, row in rows if name in row]) for name in ("illegal", "illegal_free")},
         "least_time_gap": float(np.median(gaps)) if gaps else None,
     }
+
+
+def _mean(numbers: Sequence[float]) -> float | None:
+    return float(np.mean(numbers)) if numbers else None

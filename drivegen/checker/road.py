@@ -100,7 +100,7 @@ def judge(outside, around, directions, limits, origin, position, heading, direct
 @njit(cache=True, error_model="numpy")
 def _judge_edges(outside, around, origin, position, direction, valid, length, width, limit):  # type: ignore[no-untyped-def]
     """(farthest out for three looks in a row [m], first step beyond `limit` or -1)."""
-    worst, first, arrived = _NEVER, -1, False
+    worst, first, arrived, began = _NEVER, -1, False, LEAST
     last_x = last_y = last_cos = last_sin = np.float32(np.inf)  # what `now` was found for: most vehicles at rest stay so
     now = before = earlier = LEAST  # how far out: three looks in a row, so five steps with STRIDE 2
     for t in range(0, valid.shape[0], STRIDE):
@@ -113,7 +113,9 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
         if abs(x - last_x) + abs(y - last_y) + abs(cos - last_cos) + abs(sin - last_sin) > _STILL:
             now = corner_outside(outside, around, origin, x, y, cos, sin, length, width)
             last_x, last_y, last_cos, last_sin = x, y, cos, sin
-        if not arrived and now > START_TOLERANCE:
+        if began == LEAST:
+            began = now
+        if not arrived and START_TOLERANCE < now <= began + limit:
             before = LEAST
             continue
         arrived = True

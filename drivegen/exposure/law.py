@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker
 from drivegen.core.scenario import TARGET, Trajectories
-from drivegen.goals.joint import draw_together
+from drivegen.goals.joint import draw_together, orders
 from drivegen.goals.outlook import Outlooks
 from drivegen.rollout.scene import Choices
 
@@ -68,7 +68,8 @@ class NaturalLaw:
         kept, count = list[NDArray[np.int64]](), 0
         for _ in range(-(-most // BLOCK)):
             noise = random.gumbel(size=(SWEEPS + 1, BLOCK, len(self.odds))).astype(np.float32)
-            rows = self.start[:-1] + draw_together(self.odds, self.start, self.exclusive, noise)
+            order = orders(random, SWEEPS, BLOCK, len(self.vehicle))
+            rows = self.start[:-1] + draw_together(self.odds, self.start, self.exclusive, noise, order)
             kept.append(rows[self.legal(rows)])
             count += len(kept[-1])
             if count >= wanted:

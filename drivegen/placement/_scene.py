@@ -10,7 +10,7 @@ from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.roadmap import NO_LANE, LaneKind
 from drivegen.core.scenario import TARGET, SizeSource, VehicleKind, Vehicles
 from drivegen.placement.gaps import ALONG_LANE
-from drivegen.placement.slots import Slots
+from drivegen.placement.slots import SPACING, Slots
 from drivegen.placement.table import Provenance, Table
 from drivegen.roads.graph import LaneGraph
 
@@ -39,7 +39,7 @@ class Scene:
     """Placed vehicles as growing lists of equal length, on the slots (Q,) of one map.
 
     Attributes:
-        limit: (Q,) [m/s] the most that a vehicle may drive at each slot at the first frame.
+        limit: (Q,) [m/s] the most that who has its front at each slot may drive at the first frame.
         slot: where each stands, or the nearest slot. lane, along: its lane and how far along it [m].
         position: (2,) [m]. heading: [rad]. size: (3,) [m]. speed: [m/s].
         row: of the table, NO_ROW for a target that was given. number: in what was asked. given: that target (1,), if any.
@@ -102,6 +102,12 @@ class Scene:
         self.speed.append(speed)
         self.row.append(row)
         self.number.append(number)
+
+    def limits(self, slots: NDArray[np.intp], row: int) -> NDArray[np.float64]:
+        """(K,) [m/s] the most that a vehicle of `row` may drive on `slots` (K,): that of where its front is."""
+        front = slots + int(np.ceil(float(self.table.size[row, 0]) / 2 / SPACING))
+        last = np.searchsorted(self.slots.lane, self.slots.lane[slots], side="right") - 1  # slots are sorted by lane
+        return self.limit[np.minimum(front, last)]
 
     def fitting(self, row: int) -> NDArray[np.bool_]:
         """(Q,) slots where a vehicle of `row` stands wholly on a lane that is for it."""

@@ -31,24 +31,24 @@ class Spots:
 
 
 def any_spots(
-    scene: Scene, fits: NDArray[np.bool_], spread: float, radius: float, attempts: int, random: np.random.Generator
+    scene: Scene, fits: NDArray[np.bool_], row: int, spread: float, radius: float, attempts: int, random: np.random.Generator
 ) -> Spots:
     """As in the paper: anywhere within `radius` [m] that fits, nearer places likelier, at speeds scattered about the target's."""
-    slots, limit = scene.slots, scene.limit
+    slots = scene.slots
     near = ((slots.position - scene.position[TARGET]) ** 2).sum(-1) <= radius**2
     among = np.flatnonzero(fits & near)
     distance = np.hypot(*(slots.position[among] - scene.position[TARGET]).T)
     keys = random.gumbel(size=len(among)) - 2 * distance / radius
     tried = among[np.argsort(-keys, kind="stable")[:attempts]]
-    wish = scene.speed[TARGET] * (1 + spread * random.standard_normal(len(tried)))
-    return Spots(tried, np.clip(wish, 0.0, limit[tried]), limit[tried])
+    wish, limit = scene.speed[TARGET] * (1 + spread * random.standard_normal(len(tried))), scene.limits(tried, row)
+    return Spots(tried, np.clip(wish, 0.0, limit), limit)
 
 
 def wished_spots(
     scene: Scene, fits: NDArray[np.bool_], row: int, wish: Wish, attempts: int, random: np.random.Generator
 ) -> Spots:
     """As wished of the vehicle of `row`: in relation to the target, or in a queue behind or ahead of one that was placed."""
-    slots, limit = scene.slots, scene.limit
+    slots = scene.slots
     if wish.beside is None:
         assert wish.relation is not None
         turns = standing_to_turn(slots, scene.slot[TARGET], wish) & fits
@@ -61,7 +61,8 @@ def wished_spots(
         return Spots(np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
     among = np.flatnonzero(fits & stands)
     tried = random.permutation(among)[: 2 * attempts]
-    return Spots(tried, np.minimum(pace * random.uniform(*spread, len(tried)), limit[tried]), limit[tried])
+    limit = scene.limits(tried, row)
+    return Spots(tried, np.minimum(pace * random.uniform(*spread, len(tried)), limit), limit)
 
 
 def offsets(

@@ -25,7 +25,7 @@ def add_target(
     """
     slot = _slot(scene, row, wishes, road_ahead, random)
     offset = offsets(scene, np.array([slot]), row, draws, random)
-    scene.add(slot, _speed(scene, slot, wishes[0], draws, random), row, 0, float(offset[0]))
+    scene.add(slot, _speed(scene, slot, row, wishes[0], draws, random), row, 0, float(offset[0]))
 
 
 def _slot(scene: Scene, row: int, wishes: Sequence[Wish], road_ahead: float, random: np.random.Generator) -> int:
@@ -41,13 +41,13 @@ def _slot(scene: Scene, row: int, wishes: Sequence[Wish], road_ahead: float, ran
 
 def _feasible(scene: Scene, row: int, own: Wish, road_ahead: float) -> NDArray[np.intp]:
     """Slots with road ahead on which the target fits; of those the ones where its own wish can be met, if there are any."""
-    slots, limit = scene.slots, scene.limit
+    slots = scene.slots
     fits = np.flatnonzero(scene.fitting(row))
     if not len(fits):
         raise UnusableInput("the map has no lane on which the target fits", reason="no-place")
     feasible = _with_road(slots, fits, road_ahead)
-    if own.speed is not None and (limit[feasible] >= own.speed).any():
-        feasible = feasible[limit[feasible] >= own.speed]
+    if own.speed is not None and (fast := scene.limits(feasible, row) >= own.speed).any():
+        feasible = feasible[fast]
     if own.turn is not None and (turning := feasible[before_turn(slots, own.turn)[feasible]]).size:
         feasible = turning
     return feasible
@@ -67,9 +67,9 @@ def _met(slots: Slots, target: int, wish: Wish) -> int:
     return int(standing(slots, target, wish.relation, wish.distance).any()) * (1 if wish.turn is not None else 2)
 
 
-def _speed(scene: Scene, slot: int, wish: Wish, draws: Draws | None, random: np.random.Generator) -> float:
+def _speed(scene: Scene, slot: int, row: int, wish: Wish, draws: Draws | None, random: np.random.Generator) -> float:
     """[m/s] as wished or as in logs, as far as the road allows."""
-    most = float(scene.limit[slot])
+    most = float(scene.limits(np.array([slot]), row)[0])
     if wish.speed is not None:
         return min(most, wish.speed)
     if draws is None:

@@ -78,7 +78,7 @@ class Traffic:
         spots = [self._first(free) if one else self._beside(fits, free, row) for one in first.tolist()]
         there = [spot for spot in spots if spot is not None]
         tried, speed = np.array([slot for slot, _ in there], np.intp), np.array([speed for _, speed in there], np.float64)
-        limit = self._scene.limit[tried]
+        limit = self._scene.limits(tried, row)
         return Spots(tried, np.minimum(speed, limit), limit)
 
     def _note(self, vehicle: int) -> None:

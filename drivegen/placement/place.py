@@ -170,4 +170,4 @@ class _Others:
             yield from self.traffic.spots(fits, row, settings.attempts)
             return
         radius = settings.radius if self.radius is None else self.radius
-        yield any_spots(self.scene, fits, settings.speed_spread, radius, settings.attempts, self.random)
+        yield any_spots(self.scene, fits, row, settings.speed_spread, radius, settings.attempts, self.random)

@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker, Severities
+from drivegen.core import seeds
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.rejections import Rejections
 from drivegen.core.samples import NO_GOAL, Samples, Violation
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.settings import Index, Within
 from drivegen.goals.candidates import Candidates
-from drivegen.goals.joint import PENALTY, draw_together, gumbel, in_tempo, tempos
+from drivegen.goals.joint import PENALTY, SWEEPS, draw_together, gumbel, in_tempo, orders, tempos
 from drivegen.goals.outlook import Outlooks
 from drivegen.roads.leaving import Exits
 
@@ -130,7 +131,8 @@ class Rollout:
         odds = used
         if tempo > 0:  # own odds to the bit where vehicles have nothing in common
             odds = in_tempo(used, self.start, self.outlooks.distance, tempos(seed, name, samples), tempo)
-        self.first = draw_together(odds, self.start, self.exclusive, noise)
+        order = orders(seeds.rng(seed, "order", name), SWEEPS, samples, len(self.start) - 1)
+        self.first = draw_together(odds, self.start, self.exclusive, noise, order)
         with np.errstate(divide="ignore"):
             self.score = np.log(used.astype(np.float64)) + noise[0]
         self.failed = np.zeros((samples, len(used)), np.int64)

@@ -24,6 +24,7 @@ from torch import Tensor
 
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, NotNegative, Positive, Share
 from drivegen.goals.candidates import Candidates
@@ -131,7 +132,7 @@ class Plugin(FirstFrameSelector):
     def rank(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
         """Calibrated probabilities, raised for staying where a vehicle is parked."""
         pad = Padding.of(np.cumsum([0, *map(len, candidates)]), np.arange(len(candidates)))
-        x = np.concatenate(features(scenario, candidates))[:, self._columns]
+        x = np.concatenate(features(first_frame(scenario), candidates))[:, self._columns]  # as it has learnt
         lists = pad(x), pad.there, pad(np.concatenate([c.prior for c in candidates]))
         chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(candidates), CHUNK)]
         odds = [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]

@@ -70,11 +70,12 @@ def first_collisions(motion: Trajectories, others: Replay) -> tuple[NDArray[np.u
     step, partner = first_overlaps(motion, others)
     kind, s = np.zeros(len(step), np.uint8), np.flatnonzero(step >= 0)
     t, m = step[s].astype(np.int64), partner[s] - 1
-    before = np.where(others.valid[s, t - 1, m], t - 1, t)
+    there = (t > 0) & others.valid[s, t - 1, m]
+    before = np.where(there, t - 1, t)
     own = [(motion.position[s, u], motion.heading[s, u]) for u in (before, t)]
     other = [(others.position[s, u, m], others.heading[s, u, m]) for u in (before, t)]
     met = kinds_of(own, other, (others.target_size[s], others.size[s, m]), motion.speed[s, t])
-    kind[s] = np.where(t == 0, CollisionKind.AT_SPAWN, met)
+    kind[s] = np.where(there, met, CollisionKind.AT_SPAWN)
     return kind, step, partner
 
 

@@ -23,7 +23,7 @@ class CollisionKind(IntEnum):
 
     NONE = 0
     AT_SPAWN = 1
-    """The boxes overlap at step 0 already."""
+    """The boxes overlap as the other appears: at step 0, or where its track begins or goes on after a gap."""
     FRONT = 2
     """The target ran into the other with its front."""
     SIDE = 3

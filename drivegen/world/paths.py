@@ -17,13 +17,19 @@ from drivegen.roads.routes import SPACING, Route, feasible_routes, match_route
 from drivegen.world.observation import PATH_SPACING
 
 CRUISE = 20.0
-"""A path is long enough for this speed [m/s], or the target's first speed if that is higher."""
+"""A path is long enough for this speed [m/s], or the target's first speed if that is higher ..."""
+
+FASTER = 1.25
+"""... and for so much more, since drivers go faster than the log did."""
 
 KEPT_STEP = 1.5
 """Points of the driven line closer together than this [m] are noise of a vehicle that stands."""
 
 STAYED = 3.0
 """A target that came less far than this [m] has no driven line to follow."""
+
+ASTRAY = 20.0
+"""What was driven is longer or shorter than the route beside it by less than this [m]."""
 
 BLEND = 15.0
 """The offset from the lane at the end of the driven line fades out over this distance [m]."""
@@ -69,7 +75,7 @@ def route_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) 
     pairs = []
     for scenario, motion in zip(scenarios, traffic, strict=True):
         own, graph, kind = motion[TARGET], graphs[id(scenario.map)], int(scenario.vehicles.kind[TARGET])
-        reach = max(CRUISE, float(own.speed[own.valid].max())) * own.steps * DT
+        reach = FASTER * max(CRUISE, float(own.speed[own.valid].max())) * own.steps * DT
         route = match_route(graph, own.position[own.valid], own.heading[own.valid], reach, kind)
         pairs.append(_path(graph, own, kind) if route is None else (route.line, route.speed_limit))
     lines, limits = zip(*pairs, strict=True)
@@ -102,18 +108,25 @@ def _every_metre(line: Floats, limit: Floats) -> tuple[Floats, Floats]:
 def _path(graph: LaneGraph, motion: Trajectories, kind: int) -> tuple[Floats, Floats]:
     driven, heading, speed = _driven(motion)
     along = arc_length(driven)
-    left = max(max(CRUISE, speed) * motion.steps * DT - float(along[-1]), BLEND)
+    left = max(FASTER * max(CRUISE, speed) * motion.steps * DT - float(along[-1]), BLEND)
     seen = motion.position[motion.valid], motion.heading[motion.valid]
     route = match_route(graph, *seen, left, kind) if len(driven) > 1 else None
     if route is not None:  # both begin abreast of the first position
         limits = route.speed_limit[np.clip(along / SPACING, 0, len(route.line) - 1).astype(np.int64)]
-        begin = int(np.ceil(project(route.line.astype(np.float64), driven[-1])[0] / SPACING))
+        begin = _abreast(route, driven[-1], float(along[-1]))
         onward, limit = _joined(driven[-1], route, min(begin, len(route.line) - 2))
         return np.concatenate([driven, onward]), np.concatenate([limits, limit])
     limits = _limits_under(graph, driven)
     routes = feasible_routes(graph, driven[-1], heading, speed, left, most_routes=1, most_changes=0, kind=kind)
     onward, limit = _joined(driven[-1], routes[0], 0) if routes else (driven[-1] + left * unit(np.array([heading])), limits[-1:])
     return np.concatenate([driven, onward]), np.concatenate([limits, limit])
+
+
+def _abreast(route: Route, place: Floats, driven: float) -> int:
+    """The first point of a route beyond `place`, near `driven` [m] along it: on a ring it comes by there more than once."""
+    first = min(max(int((driven - ASTRAY) / SPACING), 0), len(route.line) - 2)
+    near = route.line[first : int((driven + ASTRAY) / SPACING) + 2].astype(np.float64)
+    return first + int(np.ceil(project(near, place)[0] / SPACING))
 
 
 def _driven(motion: Trajectories) -> tuple[Floats, float, float]:

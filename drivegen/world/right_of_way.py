@@ -2,7 +2,7 @@
 
 Who is on such a way, or on the lanes that lead there, has right of way over the target if the map says so
 (`RoadMap.yields_to`). Where it does not know the order of a pair, the other goes first if its way does not have to yield or stop
-and the target's does; between equals if it comes from the right, or comes the other way while the target alone turns left. That
+and the target's does; between equals if it comes from the right, or comes the other way while the target alone turns across. That
 last rule is shown to drivers, and nobody is judged by it: real roads often have another order between such equals. Who has a red
 or yellow light and has not entered counts for nobody.
 """
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import Floats, arc_length, interpolate, project, wrap_angle
+from drivegen.core.geometry import Floats, arc_length, interpolate, project, to_vehicle_frame, wrap_angle
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import SignalState
@@ -108,10 +108,19 @@ def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
         return ranks[0] < ranks[1]
     (theirs, after), (mine, later) = (_bearings(graph, each) for each in (other, lane))
     towards = float(wrap_angle(np.asarray(theirs - mine)))
-    left = [float(wrap_angle(np.asarray(end - begin))) > TURNS for begin, end in ((theirs, after), (mine, later))]
     if abs(towards) > 0.75 * np.pi:
-        return left[1] and not left[0]
+        side = _side_of_oncoming(graph, other, lane)
+        across = [side * float(wrap_angle(np.asarray(end - begin))) > TURNS for begin, end in ((theirs, after), (mine, later))]
+        return across[1] and not across[0]
     return towards > 0.25 * np.pi
+
+
+def _side_of_oncoming(graph: LaneGraph, other: int, lane: int) -> float:
+    """On which side of who comes by `lane` those pass who come towards it by `other`: 1 left (traffic keeps right), -1 right."""
+    first = _inside(graph, graph.predecessors, lane)[-1]
+    begin = graph.map.centreline[first][0]
+    theirs = graph.map.centreline[_inside(graph, graph.predecessors, other)[-1]][0]
+    return float(np.sign(to_vehicle_frame(theirs[None], begin, np.asarray(graph.heading[first, 0]))[0, 1]))
 
 
 def _inside(graph: LaneGraph, links: Links, lane: int) -> list[int]:

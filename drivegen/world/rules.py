@@ -31,6 +31,9 @@ ON_PATH = 1.5
 ALIGNED = np.deg2rad(30)
 """... and run its way within this angle."""
 
+BEFORE_IT = 30.0
+"""A lane's stop line lies so far [m] before it at most."""
+
 SAME_PLACE = 0.5
 """Lanes that begin on the path no farther [m] apart begin at one place: it takes one of them."""
 
@@ -174,7 +177,7 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
             taken.append((begin, lane))
         elif _strays(path, graph, lane) < _strays(path, graph, taken[-1][1]):
             taken[-1] = taken[-1][0], lane
-    return sorted((min([begin, *_stop_lines(road_map, lane, path)]), lane) for begin, lane in taken)
+    return sorted((min([begin, *_stop_lines(road_map, lane, path, begin)]), lane) for begin, lane in taken)
 
 
 def _strays(path: Floats, graph: LaneGraph, lane: int) -> float:
@@ -194,11 +197,20 @@ def _near(path: Floats, road_map: RoadMap, lanes: NDArray[np.intp]) -> NDArray[n
 
 
 def _foot(path: Floats, heading: Floats, point: Floats, direction: float) -> float | None:
-    """How far along the path [m] a lane's end lies on it, None if it does not."""
-    along, left = project(path, point.astype(np.float64))
-    turned = abs(wrap_angle(np.asarray(heading[min(int(along), len(heading) - 1)] - direction)))
-    return along if abs(left) < ON_PATH and turned < ALIGNED else None
+    """How far along the path [m] a lane's end first lies on it, None if it never does."""
+    away = np.hypot(*(path - point.astype(np.float64)).T)
+    there = (away < ON_PATH + PATH_SPACING) & (np.abs(wrap_angle(heading - direction)) < ALIGNED)
+    if not there.any():
+        return None
+    first = int(np.argmax(there))
+    last = first + int(np.argmin(np.append(there[first:], False)))
+    begin = max(first - 1, 0)
+    along, left = project(path[begin : last + 1], point.astype(np.float64))
+    return begin * PATH_SPACING + along if abs(left) < ON_PATH else None
 
 
-def _stop_lines(road_map: RoadMap, lane: int, path: Floats) -> Iterator[float]:
-    yield from (project(path, line.mean(0).astype(np.float64))[0] for line in road_map.stop_lines[road_map.stop_lane == lane])
+def _stop_lines(road_map: RoadMap, lane: int, path: Floats, begin: float) -> Iterator[float]:
+    """Where the lane's stop lines are before it, which begins at `begin` on the path [m]."""
+    first, last = max(int((begin - BEFORE_IT) / PATH_SPACING), 0), int(begin / PATH_SPACING) + 2
+    for line in road_map.stop_lines[road_map.stop_lane == lane]:
+        yield first * PATH_SPACING + project(path[first:last], line.mean(0).astype(np.float64))[0]

@@ -11,6 +11,7 @@ from torch import Tensor
 from drivegen.world.contact import kinds_of, overlapped
 from drivegen.world.ego import Ego
 from drivegen.world.neighbours import Boxes
+from drivegen.world.outcome import CollisionKind
 from drivegen.world.world import World
 
 Moment: TypeAlias = tuple[Ego, Boxes]
@@ -62,22 +63,22 @@ def all_at_once(world: World, boxes: Boxes) -> Tensor:
 def kinds(world: World, partner: Tensor, before: Moment, now: Moment, begun: Tensor) -> Tensor:
     """(R,) uint8 CollisionKind of targets that overlap `partner` (R,), -1 for none.
 
-    `before` says nothing of rows that have `begun` (R,), nor where the partner was not there yet; both count as where they are
-    `now`.
+    `before` says nothing of rows that have `begun` (R,): they count as where they are `now`. A partner that was not there
+    `before` appears inside the target: AT_SPAWN.
     """
     kind = torch.zeros_like(partner, dtype=torch.uint8)
     r = torch.nonzero(partner >= 0)[:, 0]
     if not len(r):
         return kind
     m, boxes = partner[r], before[1]
-    appears = (begun[r] | ~boxes.valid[boxes.at[r], m]).cpu().numpy()
+    appears, first = (~boxes.valid[boxes.at[r], m] & ~begun[r]).cpu().numpy(), begun[r].cpu().numpy()
     then, after = _poses(before, r, m), _poses(now, r, m)
     for array, later in zip(then, after, strict=True):
-        array[appears] = later[appears]
+        array[first | appears] = later[first | appears]
     own, other = ([(poses[i], poses[i + 1]) for poses in (then, after)] for i in (0, 2))
     scene, sizes = world.scene[r], world.scenes.others_size
     told = kinds_of(own, other, (_array(world.size[r]), _array(sizes[scene, m])), _array(world.ego.speed[r]))
-    kind[r] = torch.from_numpy(told).to(kind.device)
+    kind[r] = torch.from_numpy(np.where(appears, np.uint8(CollisionKind.AT_SPAWN), told)).to(kind.device)
     return kind
 
 

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from drivegen.asked.start import Settings
-from drivegen.asked.suite import Bench, offers, sample_records, scene_records, suite, summary
+from drivegen.asked.suite import Bench, Request, offers, sample_records, scene_records, suite, summary
 from drivegen.asked.wishes import Fill
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.rollout.batch import roll_out
 from drivegen.sumo.network import Network
 from drivegen.words.read import read
+from drivegen.words.request import TrafficRequest
 
 LANES = Network.read(compile_map(MapSpec.model_validate({"road": {"kind": "highway", "lanes": 3, "speed": 20}})), "highway")
 SETTINGS = Settings({"dense": Fill(12, 60.0)}, placements=12, starts=2)
@@ -35,6 +36,18 @@ def test_the_bench_gives_a_row_with_a_price_and_rates_by_kind(initialiser, tools
     assert "items_got" not in scenes[f"highway: {texts[2]}"]
     assert first[f"highway: {texts[1]}"]["manoeuvres_got"] in (0.0, 1.0)
     assert first[f"highway: {texts[0]}"] == {}
+
+
+def test_what_is_not_read_or_read_otherwise_is_not_got(initialiser, tools):
+    bench = Bench(lambda text: read(text, 7).traffic, SETTINGS, tools[1], tools[0], 4, 2, 7)
+    meant = {"groups": [{"kind": "car", "place": "ahead"}]}
+    rows = [
+        bench.row(Request(text, TrafficRequest.model_validate(means), "any"), "highway", initialiser)
+        for text, means in (("a car in front, wobbling", meant), ("a car ahead, the target at 30 km/h", meant), ("wobble", {}))
+    ]
+    assert [row["read_as_meant"] for row in rows] == [False, False, True]
+    assert [sum(item["kind"] == "misread" for item in row["items"]) for row in rows] == [2, 2, 0]
+    assert summary(rows[:1])["got"] == 0.0
 
 
 def test_the_bench_counts_nothing_of_a_vehicle_that_the_future_leaves_out(initialiser, tools, monkeypatch):

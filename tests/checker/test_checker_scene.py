@@ -366,6 +366,8 @@ def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
     )
     assert Violation.OFF_ROAD in flags[0]
     assert 90 < 20 + 1.2 * first[0] < 160  # the way out, not the way in
+    away = np.array([[20.0, -4.5], [40.0, -4.5], [80.0, -25.0], [300.0, -25.0]])
+    assert Violation.OFF_ROAD in judge(ROAD, drive(away, 0, 12, STEPS))[0][0]  # it does not come, it goes
     parked = drive(way, 0, 0, STEPS)
     parked.position[50:] = drive(way[:4], 0, 12, STEPS).position[:51]
     assert Violation.OFF_ROAD not in judge(ROAD, parked)[0][0]

@@ -33,7 +33,7 @@ def parked(recording: str, sample: int = 0, place: float = 80.0):
 
 def appears(recording: str):
     """A car stands in the target's way that is there from one second and a half on: nobody can avoid it."""
-    scene, _, log = parked(recording, place=40.0)
+    scene, _, log = parked(recording, place=47.0)
     valid = log.valid.copy()
     valid[1, :15] = False
     log = Trajectories(log.position, log.heading, log.velocity, valid)

@@ -95,3 +95,15 @@ def test_wishes_are_learnt_from_who_drove_freely() -> None:
     free = scenario(straight_road(600, 1), stack([drive(LINE, 10, 0.9 * LIMIT, 101), drive(LINE, 300, 0.1 * LIMIT, 101)]))
     wishes = plugin.examples(plugin.settings, [free])
     np.testing.assert_allclose(wishes.share, [0.9], atol=0.02)
+
+
+def test_nobody_turns_at_once_though_its_first_heading_is_not_its_ways(idm: Plugin) -> None:
+    roads = crossing()
+    scene = scenario(roads, stack([drive(joined(roads, 0, 9, 5), 60, 8, 101)]))
+    askew = replace(scene, vehicles=replace(scene.vehicles, heading=scene.vehicles.heading + np.float32(0.2)))
+    motion = generated(idm, askew).motion
+    np.testing.assert_allclose(motion.heading[:, 0, 0], askew.vehicles.heading[0], atol=1e-5)
+    steps = np.abs(np.diff(np.unwrap(motion.heading, axis=-1), axis=-1))
+    assert (
+        steps <= 0.1 * motion.speed[..., 1:] * 0.25 + 0.03
+    ).all()  # a turning circle of 4 m, and the pull from its first heading

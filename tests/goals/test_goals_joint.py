@@ -1,15 +1,16 @@
 """Goals drawn together: the vehicles' own odds, conditioned on what excludes each other."""
 
 import numpy as np
+import pytest
 
-from drivegen.goals.joint import draw_together, gumbel, in_tempo, tempos
+from drivegen.goals.joint import SWEEPS, draw_together, gumbel, in_tempo, orders, tempos
 
 MANY = 4000
 
 
 def drawn(used, start, exclusive):
-    used = np.float32(used)
-    return draw_together(used, np.array(start), np.asarray(exclusive, bool), gumbel(7, "scene", MANY, len(used)))
+    used, order = np.float32(used), orders(np.random.default_rng(7), SWEEPS, MANY, len(start) - 1)
+    return draw_together(used, np.array(start), np.asarray(exclusive, bool), gumbel(7, "scene", MANY, len(used)), order)
 
 
 def test_without_exclusions_every_vehicle_keeps_its_own_odds():
@@ -27,6 +28,20 @@ def test_excluded_pairs_are_left_out_and_the_rest_keeps_its_proportions():
     joint = np.histogram2d(*goals.T, bins=[[-0.5, 0.5, 1.5]] * 2)[0] / MANY
     wanted = np.array([[0.0, 0.3], [0.2, 0.2]])
     np.testing.assert_allclose(joint, wanted / wanted.sum(), atol=0.03)
+
+
+@pytest.mark.parametrize("sure", [0.9, 0.97])
+def test_of_two_alike_whose_likeliest_goals_exclude_each_other_none_yields_more_often(sure):
+    exclusive = np.zeros((4, 4))
+    exclusive[0, 2] = exclusive[2, 0] = 1
+    yields = drawn([sure, 1 - sure, sure, 1 - sure], [0, 2, 4], exclusive).mean(axis=0)
+    np.testing.assert_allclose(yields, sure * (1 - sure) / (1 - sure**2) + (1 - sure) ** 2 / (1 - sure**2), atol=0.03)
+
+
+def test_every_vehicle_draws_once_in_every_sweep_in_an_order_of_its_own():
+    order = orders(np.random.default_rng(7), 4, 50, 3)
+    assert (np.sort(order, axis=-1) == np.arange(3)).all()
+    assert len(np.unique(order.reshape(-1, 3), axis=0)) == 6
 
 
 def test_what_has_no_probability_is_never_drawn_not_even_to_escape():
@@ -66,7 +81,9 @@ def test_without_a_tempo_in_common_the_odds_are_ones_own_in_every_sample():
 def test_in_a_brisk_sample_everybody_gets_far_and_in_a_slow_one_nobody():
     noise = gumbel(7, "scene", MANY, len(OWN))
     for share, least, most in ((0.0, -0.05, 0.05), (0.5, 0.25, 0.5), (0.9, 0.6, 1.0)):
-        goals = draw_together(in_tempos(share), START, np.zeros((6, 6), bool), noise)
+        goals = draw_together(
+            in_tempos(share), START, np.zeros((6, 6), bool), noise, orders(np.random.default_rng(7), SWEEPS, MANY, 2)
+        )
         assert least <= np.corrcoef((DISTANCE[goals + START[:-1]]).T)[0, 1] <= most
 
 

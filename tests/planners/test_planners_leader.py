@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.checker.scene import SceneChecker
 from drivegen.core.scenario import Scenario
-from drivegen.goals.joint import draw_together, gumbel
+from drivegen.goals.joint import SWEEPS, draw_together, gumbel, orders
 from drivegen.goals.outlook import Outlooks
 from drivegen.rollout.batch import choose
 from drivegen.rollout.models import Equipment
@@ -61,7 +61,9 @@ def drawn(choice: Choices) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
     outlooks = Outlooks.of(choice.scenario, choice.candidates, steps)
     used = np.concatenate(choice.used)
     noise = gumbel(7, choice.scenario.scenario_id, SAMPLES, len(used))
-    together = draw_together(used, outlooks.start, outlooks.exclusions(), noise)
+    together = draw_together(
+        used, outlooks.start, outlooks.exclusions(), noise, orders(np.random.default_rng(7), SWEEPS, SAMPLES, 2)
+    )
     random = np.random.default_rng(7)
     alone = np.stack([random.choice(len(p), SAMPLES, p=p / p.sum()) for p in map(np.float64, choice.used)], axis=1)
     return together, alone

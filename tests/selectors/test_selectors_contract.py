@@ -11,6 +11,7 @@ import torch
 from drivegen.core import plugins
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.roadmap import LaneControl
+from drivegen.core.signals import Signals, SignalState
 from drivegen.core.twins import twin
 from drivegen.goals import list_files
 from drivegen.goals.candidates import candidates
@@ -262,6 +263,19 @@ def test_a_candidate_that_others_goals_exclude_is_told_apart():
     beyond = found[0].s > 80
     assert beyond.any()
     assert clash[beyond].min() > 0.2 + clash[found[0].s < 25].max(initial=0.0)
+
+
+def test_the_learned_selector_is_told_of_lights_what_it_has_learnt_from(models):
+    """Lists hold what the first frame shows; a programme that is known beside it would be features it never saw."""
+    scene = scenes.busy_crossing()
+    graph, candidates_of = offered(scene)
+    told = Plugin.load(models / "selector").rank(graph, scene, candidates_of)
+    later = scene.signals.state.copy()
+    later[:, 1:] = np.where(later[:, :1] == SignalState.RED, SignalState.GREEN, SignalState.RED)
+    other = replace(scene, signals=Signals(scene.signals.lane, later))
+    assert len(scene.signals) > 0
+    for odds, same in zip(told, Plugin.load(models / "selector").rank(graph, other, candidates_of), strict=True):
+        np.testing.assert_array_equal(odds, same)
 
 
 def test_weights_that_are_not_finite_are_refused(trained, tmp_path):

@@ -15,7 +15,7 @@ from drivegen.rollout.shipping import sample_id
 from drivegen.store.draw import draw_scenes
 from drivegen.store.rejected import read_rejected
 from drivegen.store.results import WHOLE_SCENE
-from drivegen.store.samples import read_samples
+from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from drivegen.training import weights
 from drivegen.warehouse.runs import read_scores
@@ -73,6 +73,17 @@ def test_additions_are_scored_beside_the_futures_as_they_are(root: Path, models:
     assert means["tempo/mean_sade"] == pytest.approx(means["none/mean_sade"])
     assert means["checker+tempo/illegal_per_vehicle"] <= means["none/illegal_per_vehicle"]
     assert values.keys() == means.keys()
+
+
+def test_additions_are_scored_to_the_scenarios_that_the_futures_are_of_or_not_at_all(
+    root: Path, models: Path, tmp_path: Path
+) -> None:
+    generated(root, models, "drivegen_alone")
+    for shard in SHARDS:
+        write_samples(tmp_path / "other" / shard, read_samples(root / "generated/drivegen_alone" / shard)[::-1])
+    params = replace(read_params("additions", additions.Params), workers=1)
+    with pytest.raises(UnusableInput, match="futures of other scenarios"):
+        additions.main(params, root / "test", models, tmp_path / "other", tmp_path / "a.parquet", tmp_path / "a.json")
 
 
 def test_what_follows_goals_and_what_does_not_have_stages_of_their_own(root: Path, models: Path) -> None:

@@ -42,6 +42,21 @@ def test_who_hit_whom(kind, other, target):
     assert meet(other, target)[0] == kind
 
 
+def hidden(track, first, last):
+    """The track as one sees it that is hidden from step `first` to the one before `last`."""
+    step = np.arange(track.steps)
+    return replace(track, valid=track.valid & ~((step >= first) & (step < last)))
+
+
+@pytest.mark.parametrize(("first", "last"), [(0, 29), (10, 29)])  # it begins there, or goes on after a gap
+def test_who_appears_inside_the_target_is_nobodys_collision(first, last):
+    seen, again, outcome = meet(hidden(drive(LINE, 80, 0, 101), first, last))
+    assert (seen, again) == (CollisionKind.AT_SPAWN, 29)
+    assert outcome.artefact[0]
+    assert not outcome.counted[0]
+    assert meet(hidden(drive(LINE, 80, 0, 101), 0, 20))[0] == CollisionKind.FRONT  # there for a while before they meet
+
+
 def test_side_swipes_are_the_drivers_fault():
     kind, _, _ = meet(drive(NEXT, 50, 10, 101), driver=Steady(offset=LANE_WIDTH))
     assert kind == CollisionKind.SIDE

@@ -4,9 +4,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import arc_length, project
+from drivegen.roads.graph import LaneGraph
 from drivegen.world.paths import packed, target_paths
 from drivegen.world.replay import replay
-from tests.scenes import LIMIT, crossing, drive, joined, road_map, scenario, stack, straight_road
+from drivegen.world.rules import _lines
+from drivegen.world.scenes import Scenes
+from tests.scenes import LIMIT, beside, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 CROSS = crossing()
 
@@ -42,6 +45,32 @@ def test_the_driven_offset_from_the_lane_fades_out_beyond_the_end_of_the_log():
     assert line[:50, 1] == pytest.approx(1.0, abs=0.01)
     assert line[66:, 1] == pytest.approx(0.0, abs=0.01)
     assert np.abs(np.diff(line[:, 1])).max() < 0.1
+
+
+def ring(lanes=4, radius=12.0):
+    """A ring of lanes, each of which leads to the next."""
+    turns = [np.linspace(n, n + 1, 12) * 2 * np.pi / lanes for n in range(lanes)]
+    lines = [radius * np.stack([np.cos(turn), np.sin(turn)], axis=1) for turn in turns]
+    return road_map(lines, links=[(n, (n + 1) % lanes) for n in range(lanes)], in_junction=[2])
+
+
+def round_and_round(roads, metres):
+    """A target that drives so far in ten seconds on the ring, half a metre outside of the middle."""
+    laps = np.concatenate([line.astype(np.float64)[:-1] for line in roads.centreline] * 4)
+    return scenario(roads, stack([drive(beside(laps, -0.5), 5, metres / 10, 101)]))
+
+
+@pytest.mark.parametrize("metres", [47.0, 61.0, 75.0, 138.0])
+@pytest.mark.parametrize("radius", [9.0, 12.0, 14.5])
+def test_on_a_ring_the_path_goes_on_where_the_target_was_and_its_lines_are_those_of_the_first_lap(radius, metres):
+    roads = ring(radius=radius)
+    scene = round_and_round(roads, metres)
+    line, _ = path_of(scene)
+    assert len(line) >= 180
+    assert np.hypot(*line[:180].T) == pytest.approx(radius, abs=0.7)  # it never leaves the ring
+    (first, lane), *_ = _lines(Scenes.of([scene], [scene.log]), 0, LaneGraph.of(roads))
+    assert lane == 2
+    assert first == pytest.approx(np.pi * radius - 5, abs=2.5)
 
 
 def test_a_parked_target_gets_a_route_to_drive_nevertheless():

@@ -122,6 +122,22 @@ def test_unprotected_left():
     assert passes(driven(straight)[1]) == passes(driven(straight, heeds=False)[1])
 
 
+@pytest.mark.parametrize("keeps", ["right", "left"])
+def test_oncoming_traffic_goes_before_who_turns_across_its_way_on_either_side_of_the_road(keeps):
+    roads = crossing(control=LaneControl.SIGNAL)
+    if keeps == "left":  # seen in a mirror
+        parts = {name: replace(lines, points=lines.points * np.float32([1, -1])) for name, lines in (
+            ("centreline", roads.centreline), ("left", roads.right), ("right", roads.left))}  # fmt: skip
+        roads = replace(roads, **parts)
+    graph = LaneGraph.of(roads)
+    across, straight, away = (way(roads, 0, turn)[1] for turn in (LEFT, STRAIGHT, RIGHT))
+    theirs = way(roads, 2, STRAIGHT)[1]
+    assert has_right_of_way(graph, theirs, across)
+    assert not has_right_of_way(graph, theirs, straight)
+    assert not has_right_of_way(graph, theirs, away)
+    assert not has_right_of_way(graph, across, theirs)
+
+
 def in_two(roads, lane, first):
     """The roads with a lane in the junction cut `first` [m] behind its beginning, as SUMO cuts ways; the latter half yields."""
     lines = [line.astype(np.float64) for line in roads.centreline]

@@ -44,6 +44,16 @@ def test_all_at_once_finds_whom_box_by_box_finds():
     assert len(set(found)) > 5
 
 
+def test_who_appears_inside_the_target_is_at_spawn_for_the_environment_too():
+    line = joined(ROADS, 0, 4)
+    log = stack([drive(line, 10.0, 0.0, 60), drive(line, 12.0, 0.0, 60)])
+    log.valid[1, :20] = False
+    episodes = Environment([(scenario(ROADS, log), log)], 1, read_params("environment", Settings))
+    episodes.reset(torch.zeros(1, dtype=torch.int64))
+    kinds = [int(episodes.step(torch.tensor([[-1.0]])).kind[0]) for _ in range(20)]
+    assert kinds == [CollisionKind.NONE] * 19 + [CollisionKind.AT_SPAWN]
+
+
 def test_each_of_many_collisions_is_told_by_itself():
     """A target at (0, 0) facing along x, who is met from ahead, from behind and from its left, and one that stands."""
     own = [(np.zeros((4, 2)), np.zeros(4))] * 2

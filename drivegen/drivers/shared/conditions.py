@@ -22,7 +22,7 @@ class Rewards:
     Attributes:
         progress: per metre along the path. comfort: of (a / 3 m/s2)^2. speeding: of how much faster than the limit [m/s] it is.
         collision: at a collision, but for
-        hit: at one by somebody from behind, or while standing.
+        hit: at one by somebody from behind, while standing, or with who appears inside the target.
         red: for crossing a line at a red light. off_road: for leaving the road, in `free` motion alone.
     """
 

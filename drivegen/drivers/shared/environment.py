@@ -24,7 +24,7 @@ from drivegen.world.bicycle import SHARPEST
 from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Boxes, Replayed
 from drivegen.world.observation import PATH_SPACING, Action, Observation
-from drivegen.world.outcome import CollisionKind
+from drivegen.world.outcome import ARTEFACTS
 from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive
 from drivegen.world.rules import Lookout
@@ -81,6 +81,7 @@ class Environment:
         self._surface = Surface.of(scenarios, device) if self._free else None
         exit_known_to = PATH_SPACING if self._free else 0.0  # the road ends there: who leaves freely would be off it before
         self._exit = exits(self._scenes, scenarios) - exit_known_to
+        self._done_to_it = torch.tensor(ARTEFACTS, dtype=torch.uint8, device=device)
         self._weights = torch.tensor([getattr(settings.rewards, name) for name in TERMS], device=device)
         with torch.no_grad():
             begin = self._world(len(traffic))
@@ -170,7 +171,7 @@ class Environment:
 
     def _terms(self, view: Observation, moved: Tensor, speed: Tensor, kind: Tensor, off_road: Tensor) -> Tensor:
         """(R, len(TERMS)) what each weight is multiplied by."""
-        hit = (kind == CollisionKind.HIT_FROM_BEHIND) | (kind == CollisionKind.HIT_STANDING)
+        hit = torch.isin(kind, self._done_to_it)
         red = (self._line > 0) & (moved >= self._line)
         self._line = view.red_line
         amounts = {

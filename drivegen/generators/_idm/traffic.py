@@ -8,6 +8,7 @@ import torch
 from numba import njit
 from numpy.typing import NDArray
 
+from drivegen.core.geometry import wrap_angle
 from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.core.signals import SignalState
 from drivegen.drivers.idm import Plugin as Idm
@@ -22,8 +23,11 @@ SEEN_NEAR, SEEN_SECONDS = 30.0, 5.0
 SEEN_BEHIND = 10.0
 """[m] Whose centre is farther behind is not looked at: its box does not reach ahead."""
 
-TURNED = 0.5
-"""[m] Who has come less far keeps its first heading, which the way's need not be."""
+TURNED = 15.0
+"""[m] Over so much of its way a vehicle turns from its first heading into the way's, which need not be the same."""
+
+BODY = 2.0
+"""[m] A vehicle heads as the chord of its way from so far behind it to so far ahead: points a metre apart have kinks."""
 
 
 @dataclass(frozen=True)
@@ -212,13 +216,21 @@ def _see(  # type: ignore[no-untyped-def]
                 )  # fmt: skip
 
 
+def _headings(crowd: Crowd, along: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(B, T) at `along` (B, T) [m]: those of chords of the ways, into which each turns from its own at step 0."""
+    chord = poses(crowd, along + np.float32(BODY))[0] - poses(crowd, np.maximum(along - np.float32(BODY), 0))[0]
+    heading = np.arctan2(chord[..., 1], chord[..., 0])
+    share = np.minimum(along / TURNED, 1.0)
+    off = wrap_angle(crowd.heading - heading[:, 0])[:, None]
+    return np.asarray(heading + off * (1 - share**2 * (3 - 2 * share)), np.float32)
+
+
 def motion(crowd: Crowd, scenario: Scenario, along: NDArray[np.float32], speed: NDArray[np.float32]) -> Trajectories:
     """The crowd's motion (R, N, T) on the map; step 0 is the scenario's own, and parked vehicles keep their heading."""
-    position, heading = poses(crowd, along)
+    position, _ = poses(crowd, along)
+    heading = _headings(crowd, along)
     heading[crowd.parked] = crowd.heading[crowd.parked, None]
-    heading[:, 0] = crowd.heading
     position[:, 0] = np.tile(scenario.vehicles.position, (len(position) // crowd.group, 1))
-    heading = np.where(along < TURNED, crowd.heading[:, None], heading)
     velocity = np.stack([np.cos(heading), np.sin(heading)], axis=-1) * speed[..., None]
     shape = (-1, crowd.group, speed.shape[1])
     return Trajectories(
