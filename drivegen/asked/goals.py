@@ -188,13 +188,13 @@ def _going_straight(scenario: Scenario, own: Candidates, vehicle: int) -> NDArra
     return np.asarray(beyond & (own.manoeuvre == Way.KEEP) & _on_green(scenario, own, vehicle))
 
 
-def end_of_crossing(route: Route, road_map: RoadMap, crossed: NDArray[np.bool_]) -> float:
-    """Where on a route [m] the first junction ends that others cross, on lanes that are `crossed` (L,); inf if there is none.
+def end_of_crossing(route: Route, road_map: RoadMap, across: NDArray[np.bool_]) -> float:
+    """Where on a route [m] the first junction ends that others cross, on lanes `across` (L,) it; inf if there is none.
 
     Who begins within a junction does not go over it.
     """
     inside = road_map.in_junction[route.lane]
-    at = np.flatnonzero(crossed[route.lane] & (np.cumsum(~inside) > 0))
+    at = np.flatnonzero(across[route.lane] & (np.cumsum(~inside) > 0))
     out = np.flatnonzero(~inside[at[0] :]) if len(at) else at
     return float(at[0] + out[0]) * SPACING if len(out) else np.inf
 

@@ -47,6 +47,13 @@ def test_the_driven_offset_from_the_lane_fades_out_beyond_the_end_of_the_log():
     assert np.abs(np.diff(line[:, 1])).max() < 0.1
 
 
+@pytest.mark.parametrize("speed", [8.0, 30.0])
+def test_a_path_is_long_enough_for_who_drives_a_quarter_faster_than_the_log(speed):
+    road = straight_road(900)
+    _, paths = path_of(scenario(road, stack([drive(road.centreline[0].astype(np.float64), 20, speed, 101)])))
+    assert paths.length[0] >= 1.25 * max(speed, 20.0) * 10 - 1
+
+
 def ring(lanes=4, radius=12.0):
     """A ring of lanes, each of which leads to the next."""
     turns = [np.linspace(n, n + 1, 12) * 2 * np.pi / lanes for n in range(lanes)]
