@@ -20,7 +20,7 @@ from drivegen.store.files import write_json
 from drivegen.store.lookup import futures_in
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import shards
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,3 @@ def _score_shard(task: Task) -> dict[str, dict[str, float]]:
             metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(other))).items()}
         by_scene[scenario.scenario_id] = metrics
     return by_scene
-
-
-if __name__ == "__main__":
-    enter("additions", Params, main)

@@ -23,7 +23,7 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, record_rows, write_results
 from drivegen.sumo.network import Network
 from drivegen.words.read import READER, read
-from stages._door import enter, read_params, require
+from stages._door import read_params, require
 
 SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
 
@@ -89,7 +89,3 @@ def main(params: Params, maps: Path, assets: Path, gaps: Path, models: Path, res
 
 def _network(file: Path) -> Network:
     return Network.read(file.read_bytes(), str(file))
-
-
-if __name__ == "__main__":
-    enter("asked", Params, main)

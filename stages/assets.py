@@ -12,7 +12,7 @@ from drivegen.placement.gaps import measure_gaps
 from drivegen.placement.table import build_table
 from drivegen.store.assets import write_assets
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require
+from stages._door import require
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,3 @@ def main(params: Params, scenarios: Path, out: Path, gaps: Path) -> None:
     write_assets(gaps, rows.to_arrow())
     led = int(rows.led.sum())
     print(f"assets: {len(table)} different vehicles, {int(table.count.sum())} tracks; gaps of {len(rows)}, {led} with a leader")
-
-
-if __name__ == "__main__":
-    enter("assets", Params, main)

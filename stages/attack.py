@@ -25,7 +25,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
-from stages._door import COST_FOLDER, enter, require, spread
+from stages._door import COST_FOLDER, require, spread
 from stages._driven_by import weights_of
 from stages._ground import Made
 
@@ -113,7 +113,3 @@ def _bounds(params: Params, about: dict[str, Any]) -> Iterator[Bounds]:
         yield Bounds("legal", 1 if about["traffic"] == "log" else params.samples, params.reaction_steps)
         return
     yield from (Bounds(allowed, queries, params.reaction_steps) for allowed in params.allowed for queries in params.queries)
-
-
-if __name__ == "__main__":
-    enter("attack", Params, main)

@@ -30,7 +30,7 @@ from drivegen.store.files import write_json
 from drivegen.store.scenarios import write_shard
 from drivegen.sumo.network import Network
 from drivegen.world.reactive import Reaction
-from stages._door import enter, read_params, require, spread
+from stages._door import read_params, require, spread
 
 SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
 
@@ -114,7 +114,3 @@ def _initialiser(task: Task) -> Initialiser:
     table = Table.from_arrow(read_assets(require(task.assets, "run the assets stage")), str(task.assets))
     gaps = Gaps.from_arrow(read_assets(require(task.gaps, "run the assets stage")), str(task.gaps))
     return Initialiser(network, task.network.parent.name, SOURCE, table, settings, gaps)
-
-
-if __name__ == "__main__":
-    enter("beset", Params, main)

@@ -17,7 +17,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Share
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, spread_splits
+from stages._door import spread_splits
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,3 @@ def _shard_severities(task: tuple[Path, Limits]) -> NDArray[np.float32]:
     shard, floors = task
     parts = [logged_severities(scenario, floors) for scenario in read_shard(shard)]
     return np.concatenate([np.zeros((0, len(RULES)), np.float32), *parts])
-
-
-if __name__ == "__main__":
-    enter("calibrate", Params, main)

@@ -20,7 +20,7 @@ from drivegen.store.files import whole
 from drivegen.store.results import RESULT
 from drivegen.warehouse.database import build, read_parts, result_parts
 from drivegen.warehouse.tables import SAMPLES, parameter_table, read_recordings, read_sample_table, read_scenarios
-from stages._door import enter, require
+from stages._door import require
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,3 @@ def _samples(params: Params, generated: Path, corner: Path) -> pa.Table:
     rounds = sorted((at.parent for at in corner.glob("*/samples") if at.parent.name.isdecimal()), key=lambda at: int(at.name))
     played = [read_sample_table("corner", folder.name, folder / "samples") for folder in rounds]
     return pa.concat_tables([SAMPLES.empty_table(), *rolled_out, *played])
-
-
-if __name__ == "__main__":
-    enter("collect", Params, main)

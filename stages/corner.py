@@ -31,7 +31,7 @@ from drivegen.questions.goals import examples
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import count, shards
-from stages._door import build, enter, read_params, require, spread
+from stages._door import build, read_params, require, spread
 from stages._driven_by import weights_of
 
 GOALS = ("reweighting", "vlm")
@@ -114,7 +114,3 @@ def _asker(folder: RoundFolder, params: Params, knowledge: Knowledge) -> Asking 
     shown = folder.before.shown() + examples(params.vlm.examples)
     model = LanguageModel("corner_cases", role, records.open())
     return asking(model, params.vlm, params.seed, knowledge, shown, params.pressure.reaction_time)
-
-
-if __name__ == "__main__":
-    enter("corner", Params, main)

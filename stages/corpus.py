@@ -13,7 +13,7 @@ from drivegen.datasets.sumo_corpus import write_part
 from drivegen.layouts.corpus import Networks
 from drivegen.store.files import write_bytes, write_json
 from drivegen.sumo.corpus import CorpusSettings, moving_vehicles, prepare_network, simulate_scenarios
-from stages._door import enter, spread
+from stages._door import spread
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,3 @@ def _networks(params: Params, split: str) -> Iterator[tuple[str, bytes, tuple[fl
 
 def _parts(count: int, most: int) -> list[int]:
     return [min(most, count - start) for start in range(0, count, most)]
-
-
-if __name__ == "__main__":
-    enter("corpus", Params, main)

@@ -27,7 +27,7 @@ from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction
-from stages._door import enter, require, spread
+from stages._door import require, spread
 from stages._driven_by import weights_of
 
 LOG = "log"
@@ -104,7 +104,3 @@ def _traffic(shard: Path, generated: Path | None) -> list[tuple[Scenario, Trajec
         return logs_in(shard)
     futures = futures_in(require(generated / shard.name, "run the rollout stage"), shard.parent)
     return [(scenario, samples.motion[k]) for scenario, samples in futures for k in range(len(samples.dropped))]
-
-
-if __name__ == "__main__":
-    enter("drive", Params, main)

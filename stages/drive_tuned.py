@@ -28,7 +28,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import shards
 from drivegen.world.outcome import DrivingOutcome, with_off_road
 from drivegen.world.reactive import Reaction
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 SIMULATOR = "batch"
 NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
@@ -113,7 +113,3 @@ def _numbers(outcome: DrivingOutcome, scenarios: Sequence[Scenario]) -> Numbers:
         "off_road": with_off_road(outcome, scenarios).off_road,
         "imposed_braking": outcome.imposed_braking,
     } | {"red_lights": outcome.red_lights, "red_run": outcome.red_run}
-
-
-if __name__ == "__main__":
-    enter("drive_tuned", Params, main)

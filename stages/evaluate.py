@@ -23,7 +23,7 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import SCRATCH, enter, require, spread
+from stages._door import SCRATCH, require, spread
 
 SHOWN = ("min_sade", "mean_sade", "realism", "illegal_per_vehicle")
 """What `dvc metrics show` prints: one row a method, no wider than a screen."""
@@ -82,7 +82,3 @@ def _score_shard(task: Task) -> list[Scored]:
             stream = rng(task.params.seed, "evaluate", "any", scenario.scenario_id)
             out.append(score(scenario, scenario.log, samples, edges, task.params.measured, stream))
     return out
-
-
-if __name__ == "__main__":
-    enter("evaluate", Params, main)

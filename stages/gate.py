@@ -13,7 +13,7 @@ from drivegen.drivers.shared.version import version
 from drivegen.store.files import write_json
 from drivegen.store.lookup import futures_in
 from drivegen.store.scenarios import shards
-from stages._door import enter, require
+from stages._door import require
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,3 @@ def main(params: Params, scenarios: Path, futures: Path, record: Path) -> dict[s
 
 def _name(which: str, drivers: dict[str, Any]) -> str:
     return f"{which} {next(iter(drivers))}"
-
-
-if __name__ == "__main__":
-    enter("gate", Params, main)

@@ -20,7 +20,7 @@ from drivegen.store.columns import joined
 from drivegen.store.folders import whole_folder
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread_splits
+from stages._door import require, spread_splits
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,3 @@ def _taught_lists(shard: Path, recorded: Path) -> Lists:
     return joined(
         Lists, (Lists.by_teacher(scenario, *unpack(LaneGraph.of(scenario.map), columns)) for scenario, columns in pairs)
     )
-
-
-if __name__ == "__main__":
-    enter("goal_lists", Params, main)

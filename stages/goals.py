@@ -29,7 +29,7 @@ from drivegen.store.files import write_json
 from drivegen.store.goals import write_goals
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, read_params, require, spread
+from stages._door import read_params, require, spread
 
 _SCENES = 3  # whose questions are really made for the forecast of what calls will cost
 
@@ -108,7 +108,3 @@ def _shard_goals(task: Task) -> Judged:
         judged.append(judge(scenario, offered, probabilities))
     write_goals(task.goals / task.shard.name, packed)
     return Judged.joined(judged)
-
-
-if __name__ == "__main__":
-    enter("goals", Params, main)

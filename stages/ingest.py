@@ -18,7 +18,7 @@ from drivegen.ingest.shards import make_shard, note_if_empty, plan_shards
 from drivegen.ingest.sources import Sources
 from drivegen.ingest.splits import CORPUS, Plan, items, once, trained_on, unseen
 from drivegen.store.files import write_json, write_table
-from stages._door import enter, spread
+from stages._door import spread
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,3 @@ def _make_shards(params: Params, sources: Sources, plan: Plan, out: Path) -> dic
 def _leave_out(sources: Sources, admission: Admission, item: str, why: UnusableInput) -> None:
     data, _, scene = sources.scene(item)
     admission.reject(data, scene, why)
-
-
-if __name__ == "__main__":
-    enter("ingest", Params, main)

@@ -28,7 +28,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, read_params, require
+from stages._door import read_params, require
 
 LOGS = "held-out logs"
 
@@ -101,7 +101,3 @@ def _spread(scenarios: list[Scenario], most: int) -> list[Scenario]:
     """At most `most` of them, at equal distances in their order."""
     rows = np.linspace(0, len(scenarios), min(most, len(scenarios)), endpoint=False).astype(int)
     return [scenarios[row] for row in rows]
-
-
-if __name__ == "__main__":
-    enter("initial_states", Params, main)

@@ -13,7 +13,6 @@ from drivegen.core.settings import Count
 from drivegen.datasets.base import Dataset
 from drivegen.metrics.likeness import NAMES, Traffic, distances, halves_apart, traffic
 from drivegen.store.files import write_json
-from stages._door import enter
 
 SPLIT = "train"
 
@@ -68,7 +67,3 @@ def _groups(root: Path, real: Real) -> list[Traffic]:
 
 def _total(data: Any, scenes: Iterable[str]) -> Traffic:
     return Traffic.total([traffic(data.read(*scene.split("/", 1))) for scene in scenes])
-
-
-if __name__ == "__main__":
-    enter("likeness", Params, main)

@@ -15,7 +15,7 @@ from drivegen.core.settings import Count, Positive
 from drivegen.maps.diversity import summary, windows
 from drivegen.store.files import write_json
 from drivegen.sumo.network import read_network
-from stages._door import enter, read_section, require
+from stages._door import read_section, require
 
 MADE, SUMO, ARGOVERSE = "maps from words", "SUMO's real networks", "Argoverse 2"
 
@@ -74,7 +74,3 @@ def _home() -> Path:
     if spec is None or spec.origin is None:
         raise MissingTool("real networks come with eclipse-sumo: pip install eclipse-sumo==1.28.0")
     return Path(spec.origin).parent
-
-
-if __name__ == "__main__":
-    enter("map_diversity", Params, main)

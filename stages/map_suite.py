@@ -20,7 +20,7 @@ from drivegen.maps.writers.base import ROUNDS, MapWriter
 from drivegen.store.files import write_json
 from drivegen.words.judge import traffic_lacking
 from drivegen.words.writer import asking_writer, writer_called
-from stages._door import enter, read_params
+from stages._door import read_params
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,3 @@ def _measured(name: str, writer: MapWriter, cases: list[Case], seed: int, costs:
     costs[f"cpu_seconds of {name}"] = sum(trial.seconds for trial in trials)
     print(f"map_suite: {writer.description}: {sum(trial.right for trial in trials)} of {len(trials)} right", flush=True)
     return published(writer.description, trials)
-
-
-if __name__ == "__main__":
-    enter("map_suite", Params, main)

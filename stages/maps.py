@@ -20,7 +20,7 @@ from drivegen.maps.writers.base import ROUNDS
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, record_rows, write_results
 from drivegen.words.writer import asking_writer, writer_called
-from stages._door import enter, read_params, spread
+from stages._door import read_params, spread
 
 _ASKING = "language_model"
 """Writers whose names begin so ask one."""
@@ -94,7 +94,3 @@ def _build(task: _Task) -> dict[str, Any]:
     numbers |= {"lanes": len(built.road_map), "junctions": road.junctions, "roundabouts": len(road.roundabouts)}
     numbers |= {"most_lanes": road.max_lanes, "length": road.length, "turn": road.turn, "signals": road.signals}
     return {**row, **numbers, "understood": True, "network": True, "as_asked": built.as_asked}
-
-
-if __name__ == "__main__":
-    enter("maps", Params, main)

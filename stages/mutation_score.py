@@ -19,7 +19,7 @@ from drivegen.metrics.mutation_score import Pairs, Settings, scored
 from drivegen.store.files import write_json
 from drivegen.store.lookup import in_turn
 from drivegen.store.results import Run, result_rows, write_results
-from stages._door import enter, require, spread
+from stages._door import require, spread
 from stages._ground import Made, shares
 
 LOG = "log"
@@ -102,7 +102,3 @@ def _searched(task: Task, mutants: dict[str, Mutant]) -> dict[str, Pairs]:
     adversary = plugins.make("adversaries", task.tester, params.adversaries, "mutation_score.adversaries")
     bounds = Bounds(params.allowed, params.queries, params.reaction_steps)
     return dict(by_search(mutants, adversary, ground, bounds, params.seed))
-
-
-if __name__ == "__main__":
-    enter("mutation_score", Params, main)

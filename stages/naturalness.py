@@ -20,7 +20,6 @@ from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.store.files import write_json
 from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
-from stages._door import enter
 
 METRICS = ("attack", "before", "less")
 """As the attackers move, as they did before, and the one less the other."""
@@ -69,7 +68,3 @@ def _judged(judge: LikelihoodModel, cases: list[Samples], as_it_is: Traffic, par
     if len(there):
         for metric, interval in zip(METRICS, bootstrap_means(columns, recordings, params.draws, random), strict=True):
             yield {"metric": metric, **asdict(interval), "n": len(there)}
-
-
-if __name__ == "__main__":
-    enter("naturalness", Params, main)

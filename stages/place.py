@@ -22,7 +22,7 @@ from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards, write_shard
 from drivegen.sumo.network import Network
-from stages._door import enter, require
+from stages._door import require
 
 SOURCE = "DriveGen (map from words)"
 
@@ -89,7 +89,3 @@ class _Placer:
                 continue
             rejected.update(left_out)
             yield scenario
-
-
-if __name__ == "__main__":
-    enter("place", Params, main)

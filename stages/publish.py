@@ -21,7 +21,7 @@ from drivegen.report.published.results import DataSet, Pooled
 from drivegen.report.published.runs import read_data_set
 from drivegen.report.table import Table
 from drivegen.warehouse.provenance import describe_runs
-from stages._door import enter, require
+from stages._door import require
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,9 @@ class About:
     folders: dict[str, Any]
     front: bool
     by_scene: bool
+
+
+SECTION = "tables.quality"
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,3 @@ def _tables(params: Params, runs: Path, pooled_sets: PooledSets) -> list[Table]:
     tables += transfers(pooled_sets, params.transfer)
     tables += trainings(pooled_sets, params.training, params.draws, params.seed)
     return [*tables, *models_and_costs(pooled_sets, runs, params.methods)]
-
-
-if __name__ == "__main__":
-    enter("tables.quality", Params, main)

@@ -32,7 +32,7 @@ from drivegen.report.table import Table
 from drivegen.store.files import write_json
 from drivegen.store.results import read_values
 from drivegen.warehouse.provenance import describe_runs
-from stages._door import COST_FOLDER, enter
+from stages._door import COST_FOLDER
 
 DATA = "sumo_corpus"
 SCORE = Path("reports/pieces/mutation_score.json")
@@ -51,6 +51,9 @@ PIECES = {
 """Files of rows that every run has measured or none, and the tables of each."""
 
 REPAIRED = Path("reports/pieces/repair")
+
+
+SECTION = "tables.corner"
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,3 @@ def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:
     files = {key: root / COST_FOLDER / f"attack-{driver}-{key}.parquet" for key in attacks}
     tables = {key: pq.read_table(file).to_pylist() for key, file in files.items() if file.exists()}
     return attacks, {key: {line["name"]: line["value"] for line in lines} for key, lines in tables.items()}
-
-
-if __name__ == "__main__":
-    enter("tables.corner", Params, main)

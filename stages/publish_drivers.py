@@ -23,12 +23,15 @@ from drivegen.store.results import RESULT
 from drivegen.warehouse.database import read_parts
 from drivegen.warehouse.provenance import describe_runs
 from drivegen.warehouse.runs import PIECES
-from stages._door import enter, require
+from stages._door import require
 
 EQUIVALENT = [name for name, mutation in MUTATIONS.items() if not mutation.fails]
 """Drivers that do as another does: ranked beside it they would count twice."""
 
 RANK, TUNED = PIECES / "rank.parquet", PIECES / "drive_tuned.parquet"
+
+
+SECTION = "tables.drivers"
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,3 @@ def main(params: Params, runs: Path, published: Path) -> None:
 def _read(name: str, results: Path, params: Params) -> Tests:
     diversity = orjson.loads(results.with_suffix(".json").read_bytes())
     return read_tests(name, params.data[name]["protocol"], read_parts([results], RESULT), diversity)
-
-
-if __name__ == "__main__":
-    enter("tables.drivers", Params, main)

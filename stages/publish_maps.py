@@ -12,9 +12,11 @@ import orjson
 from drivegen.report import Evidence
 from drivegen.report.sections import data, maps, models, planners, vehicles
 from drivegen.store.files import whole
-from stages._door import enter
 
 SECTIONS = (maps.suites, data.likeness, vehicles.section, planners.section, models.selector)
+
+
+SECTION = "tables.maps"
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,3 @@ def main(_: Params, reports: Path, published: Path) -> None:
     for table in (table for section in SECTIONS for table in section(evidence).tables if table.repeatable):
         with whole(published / f"maps-{table.name}.md") as temporary:
             temporary.write_text(table.markdown(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    enter("tables.maps", Params, main)

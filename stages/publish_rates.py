@@ -14,10 +14,13 @@ from drivegen.report.published.files import write_part
 from drivegen.report.published.rates import rate_rows, rate_table
 from drivegen.store.files import write_json
 from drivegen.warehouse.provenance import describe_runs
-from stages._door import enter, require
+from stages._door import require
 
 DATA = "sumo_corpus"
 RATES = Path("reports/pieces/rates.json")
+
+
+SECTION = "tables.rates"
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,3 @@ def main(params: Params, runs: Path, published: Path) -> None:
     write_json(published / "rates.json", list(rate_rows(DATA, rates)))
     provenance = {"seed": params.seed, **describe_runs(runs, map(str, params.seeds), [RATES])}
     write_part(published, "rates", "Rates of failure: SUMO corpus (simulated)", [rate_table(rates[0])], provenance)
-
-
-if __name__ == "__main__":
-    enter("tables.rates", Params, main)

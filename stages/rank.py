@@ -21,7 +21,7 @@ from drivegen.metrics.near_miss import near_misses
 from drivegen.store.lookup import futures_in, logs_in
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import shards
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 LOG = "log"
 SIMULATOR = "batch"
@@ -97,7 +97,3 @@ def _drivers(params: Params) -> dict[str, Driver]:
     """The sound drivers, then what the table of mutations makes of them."""
     sound: dict[str, Driver] = {name: plugins.make("drivers", name, params.drivers, "rank.drivers") for name in params.drivers}
     return {**sound, **mutated(sound)}
-
-
-if __name__ == "__main__":
-    enter("rank", Params, main)

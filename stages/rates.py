@@ -22,7 +22,7 @@ from drivegen.exposure.pool import Exposure, draw_scenes
 from drivegen.exposure.rates import Trial
 from drivegen.store.files import write_json, write_table
 from drivegen.world.reactive import Reaction
-from stages._door import enter, spread
+from stages._door import spread
 from stages._ground import Made, shares
 
 
@@ -83,7 +83,3 @@ def _table(exposure: Exposure, names: Sequence[str]) -> pa.Table:
     at = {"scenario": np.repeat(exposure.scenarios, draws), "draw": np.tile(np.arange(draws, dtype=np.int32), scenes)}
     failed = {name: exposure.failed[:, :, m].ravel() for m, name in enumerate(names)}
     return pa.table(at | failed | {f"{name}.near": exposure.near[:, :, m].ravel() for m, name in enumerate(names)})
-
-
-if __name__ == "__main__":
-    enter("rates", Params, main)

@@ -21,7 +21,7 @@ from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Index
 from drivegen.store.files import write_json
-from stages._door import build, enter, spread
+from stages._door import build, spread
 from stages._ground import Made, shares
 
 
@@ -112,7 +112,3 @@ def _mean(values: NDArray[np.bool_], among: NDArray[np.bool_], recall: Recall, p
     recordings, random = [recording(recall.scenarios[r]) for r in rows.tolist()], rng(params.seed, "recall", "bootstrap")
     [interval] = bootstrap_means(values[rows, None].astype(np.float64), recordings, params.draws, random)
     return {**asdict(interval), "n": len(rows)}
-
-
-if __name__ == "__main__":
-    enter("recall", Params, main)

@@ -22,7 +22,7 @@ from drivegen.store.draw import by_method, draw_scenes, followed_goals, goals_of
 from drivegen.store.files import write_json
 from drivegen.store.lookup import samples_in, scenario_in
 from drivegen.store.rejected import rejected_by_method, rejected_of
-from stages._door import enter, require
+from stages._door import require
 
 METHOD = "drivegen"
 """Whose samples are recorded with goals, verdicts and plots."""
@@ -111,7 +111,3 @@ def _entry(file: Path, text: str, scenario_id: str, sample: int, stage: str = ""
     """A recording of the list: what it shows, and of which stage's item; of none where it compares methods or drivers."""
     href = f"{file.parent.name}/{file.name}"
     return {"text": text, "href": href, "scenario": scenario_id, "sample": sample, "stage": stage, "item": item}
-
-
-if __name__ == "__main__":
-    enter("record", Params, main)

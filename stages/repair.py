@@ -35,7 +35,7 @@ from drivegen.rollout.scene import Choices
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from drivegen.store.scenarios import shards
-from stages._door import enter, require
+from stages._door import require
 from stages._ground import Made
 from stages._lessons import CornerCases
 
@@ -101,7 +101,3 @@ def _halved(params: Params, split: Path, models: Path, goals: Path, traffic: Pat
         choices += made.choices(shard)
         samples += made.samples(shard)
     return halved(choices, samples, params.samples, made.planner, made.limits, params.seed)
-
-
-if __name__ == "__main__":
-    enter("repair", Params, main)

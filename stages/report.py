@@ -20,7 +20,6 @@ from drivegen.store.files import whole
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from drivegen.store.results import run_id
 from drivegen.warehouse.runs import read_costs, read_param
-from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
 
@@ -109,7 +108,3 @@ def _scenes(
 def _write(path: Path, text: str) -> None:
     with whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    enter("report", Params, main)

@@ -20,7 +20,7 @@ from drivegen.store.goals import read_goals
 from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,3 @@ def _generate_shard(task: Task) -> list[Rejected]:
     samples = generator.follow(scenarios, recorded, params.samples, params.sampling_seed, rejections)
     write_samples(task.out / task.shard.name, samples)
     return [rejections[samples[row].scenario_id].replaced_in(samples[row]) for row in task.shown]
-
-
-if __name__ == "__main__":
-    enter("rollout", Params, main)

@@ -4,9 +4,5 @@ argv: scenarios (folder of shards), models (folder), generated (folder; its name
 rivals know neither goals nor planners, so nothing of DriveGen's own but the checker can change what stands here.
 """
 
-from stages._door import enter
 from stages._without_goals import Params as Params
 from stages._without_goals import main as main
-
-if __name__ == "__main__":
-    enter("rollout_rival", Params, main)

@@ -18,7 +18,7 @@ from drivegen.rollout.shipping import ShipSettings, fates, ship
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import read_shard, shards, write_shard
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,3 @@ def _ship_shard(task: Task) -> tuple[Counter[str], pa.Table]:
         for one in futures
     ]
     return counts, pa.concat_tables(rows)
-
-
-if __name__ == "__main__":
-    enter("ship", Params, main)

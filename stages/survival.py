@@ -22,7 +22,6 @@ from drivegen.drivers.base import Driver
 from drivegen.store.files import write_json
 from drivegen.world.reactive import Reaction
 from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
-from stages._door import enter
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,3 @@ def _held(cases: list[Samples], as_it_is: Traffic, driver: Driver, params: Param
     recordings, random = [recording(case.scenario_id) for case in cases], rng(params.seed, "survival", "bootstrap")
     for (name, who), interval in zip(held, bootstrap_means(columns, recordings, params.draws, random), strict=True):
         yield {"attention": name, "reacting": str(who), **asdict(interval), "n": len(cases)}
-
-
-if __name__ == "__main__":
-    enter("survival", Params, main)

@@ -18,7 +18,7 @@ from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from drivegen.store.scenarios import shards
 from drivegen.training import checkpoint
-from stages._door import build, enter, require
+from stages._door import build, require
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -62,7 +62,3 @@ def _chosen(name: str, params: Params) -> tuple[type[Taught], Any]:
     if name not in params.drivers:
         raise UnusableInput(f"params.yaml: train_driver.drivers has no settings for {name!r}")
     return plugin, build(plugin.lessons_type(), params.drivers[name], f"params.yaml: train_driver.drivers.{name}")
-
-
-if __name__ == "__main__":
-    enter("train_driver", Params, main)

@@ -25,7 +25,7 @@ from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import kept, plateau, write_curve
 from drivegen.training.timing import timed
-from stages._door import build, enter, learnt_from
+from stages._door import build, learnt_from
 from stages._rolled_out import Watched, scores_of
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -111,7 +111,3 @@ def _examples(plugin: type[Learned], settings: Any, scenarios: Path, workers: in
 def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
     plugin, settings, shard = task
     return plugin.examples(settings, [seen for log in read_shard(shard) for seen in (log, twin(log))])
-
-
-if __name__ == "__main__":
-    enter("train_generator", Params, main)

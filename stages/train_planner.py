@@ -31,7 +31,7 @@ from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import plateau, write_curve
 from drivegen.training.timing import timed
-from stages._door import build, enter, spread_splits
+from stages._door import build, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 VALIDATION_SHARDS = 10
@@ -114,7 +114,3 @@ def _examples(scenarios: Path, params: Params) -> tuple[Stream, Examples]:
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:
     shard, least_seen, seed = task
     return examples_from_logs(logs := read_shard(shard), [LaneGraph.of(log.map) for log in logs], least_seen, seed)
-
-
-if __name__ == "__main__":
-    enter("train_planner", Params, main)

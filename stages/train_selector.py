@@ -23,7 +23,7 @@ from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import plateau, write_curve
-from stages._door import SCRATCH, enter, require
+from stages._door import SCRATCH, require
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -71,7 +71,3 @@ def _scores(split: Path, params: Params, selector: Plugin) -> dict[str, dict[str
             for name, each in compared.items():
                 judged[name].append(judge(scenario, offered, each.rank(graph, shown, offered)))
     return {name: scores(Judged.joined(parts)) for name, parts in judged.items()}
-
-
-if __name__ == "__main__":
-    enter("train_selector", Params, main)

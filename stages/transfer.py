@@ -19,7 +19,6 @@ from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.store.files import write_json
 from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
-from stages._door import enter
 
 SIMULATOR = "batch"
 
@@ -62,7 +61,3 @@ def _driven(cases: list[Samples], as_it_is: Traffic, params: Params) -> Iterator
         random = rng(params.seed, "transfer", "bootstrap")
         for driver, interval in zip(params.drivers, bootstrap_means(columns, recordings, params.draws, random), strict=True):
             yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(rows)}
-
-
-if __name__ == "__main__":
-    enter("transfer", Params, main)

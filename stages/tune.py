@@ -18,7 +18,7 @@ from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.tuning import How, Say, Tuner
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
-from stages._door import enter, require
+from stages._door import require
 from stages._lessons import CornerCases, Rows, Sources
 
 BASE, LONGER = "dataset", "dataset_longer"
@@ -84,7 +84,3 @@ def main(
         policy.write(out / row, name)
         grades[row] = [asdict(grade) for grade in looked]
     write_json(metrics, grades)
-
-
-if __name__ == "__main__":
-    enter("tune", Params, main)

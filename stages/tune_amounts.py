@@ -14,7 +14,7 @@ from drivegen.core.settings import Count
 from drivegen.generators.base import Settings
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread
+from stages._door import require, spread
 
 METHOD = "drivegen"
 
@@ -40,7 +40,3 @@ def _generate_shard(params: Params, models: Path, out: Path, shard: Path) -> Non
     scenarios = [first_frame(scenario) for scenario in read_shard(shard)]
     generator = plugins.load("generators", METHOD)(models, params.generation)
     write_samples(out / shard.name, generator.generate(scenarios, params.samples, params.seed))
-
-
-if __name__ == "__main__":
-    enter("tune_amounts", Params, main)

@@ -27,7 +27,7 @@ from drivegen.placement.table import Table
 from drivegen.store.assets import read_assets
 from drivegen.store.lookup import futures_in
 from drivegen.store.scenarios import read_shard, shards, write_shard
-from stages._door import enter, read_params, require
+from stages._door import read_params, require
 
 LIKE = {"drivegen_without_maps": "drivegen"}
 """Whose samples a method takes that differs in the new scenes alone."""
@@ -113,7 +113,3 @@ def _peopled(road: Scenario, place: Place) -> Scenario | None:
             raise
         return None
     return replace(road, scenario_id=f"{road.scenario_id}-new", vehicles=vehicles, log=None, context=Actors.none(road.steps))
-
-
-if __name__ == "__main__":
-    enter("tune_traffic", Params, main)

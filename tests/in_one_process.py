@@ -3,12 +3,11 @@
 DVC has run them before, each in a process of its own; dvc.lock holds their command lines, `stages/run WORD PATH...`.
 """
 
-import runpy
 import shlex
-import sys
 from pathlib import Path
 
 from flows import pipeline
+from stages._door import enter
 
 
 def main() -> None:
@@ -16,9 +15,7 @@ def main() -> None:
     entries = pipeline.locked(Path())
     for stage in pipeline.read().needs:
         _, word, *paths = shlex.split(entries[stage]["cmd"])
-        sys.argv = [word, *paths]
-        sys.modules.pop(f"stages.{word}", None)  # of the same door with other paths; runpy warns of it
-        runpy.run_module(f"stages.{word}", run_name="__main__", alter_sys=True)
+        enter(word, *paths)
 
 
 if __name__ == "__main__":

@@ -7,12 +7,12 @@ class Params:
 
 def main(params: Params, scenarios: Path, out: Path) -> None: ...
 
-if __name__ == "__main__":
-    enter("ingest", Params, main)
+is all of a stage: `stages/run WORD PATH...` reads the section WORD of params.yaml, or what the file calls SECTION, and calls it.
 """
 
 import errno
 import importlib
+import importlib.util
 import inspect
 import multiprocessing
 import os
@@ -20,7 +20,7 @@ import resource
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -36,7 +36,6 @@ from drivegen.store.columns import Columns, Table
 from drivegen.store.costs import write_cost
 from stages._door.cluster import USED, on_cluster
 
-P = TypeVar("P")
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Learnt = TypeVar("Learnt", bound=Table)
@@ -52,36 +51,37 @@ AHEAD = 8
 """Tasks of each process that may be begun before the result of the first of them is taken."""
 
 
-def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float] | None]) -> None:
-    """Run `main(params, *paths)` with the params section and the paths of argv; exit 0, 1 or 2 as `drivegen` does.
+def enter(word: str, *words: str) -> None:
+    """Run stages/WORD.py with its section of params.yaml and these paths; exit 0, 1 or 2 as `drivegen` does.
 
     What it took goes to the cost table, beside the counts that `main` may return (such as {"scenarios": 120}); the last
-    path of argv names the item (method, driver, ...).
+    path names the item (method, driver, ...).
     """
-    paths = [Path(word) for word in sys.argv[1:]]
+    paths = [Path(word) for word in words]
     began = time.perf_counter()
     try:
-        _expect_paths(main, len(paths))
-        params, main = _imported(params), _imported(main)
-        counts = main(read_params(section, params), *paths) or {}
+        stage = _stage(word)
+        section = getattr(stage, "SECTION", word)
+        _expect_paths(stage.main, len(paths))
+        counts = stage.main(read_params(section, stage.Params), *paths) or {}
         write_cost(COST_FOLDER, section, paths[-1].stem if paths else "", {**counts, **_taken(began)})
     except DriveGenError as error:
-        print(f"{section}: {error}", file=sys.stderr)
+        print(f"{word}: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
     except MemoryError as error:
-        print(f"{section}: there is not enough memory for that ({error}): ask for less (params.yaml)", file=sys.stderr)
+        print(f"{word}: there is not enough memory for that ({error}): ask for less (params.yaml)", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        print(f"{section}: {_what_failed(error)}; nothing half-written was kept", file=sys.stderr)
+        print(f"{word}: {_what_failed(error)}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
 
 
-def _imported(thing: Any) -> Any:
-    """The function or class of the module that `python -m` runs, as any process imports it: tasks that name it can be sent."""
-    spec = sys.modules["__main__"].__spec__
-    if spec is None or thing.__module__ != "__main__":
-        return thing
-    return getattr(importlib.import_module(spec.name), thing.__name__)
+def _stage(word: str) -> Any:
+    """The module stages/WORD.py; raises UnusableInput where there is none."""
+    name = f"stages.{word}"
+    if word.startswith("_") or not (word.isidentifier() and importlib.util.find_spec(name)):
+        raise UnusableInput("there is no such stage: `stages/run WORD PATH...`, where WORD is a file of stages/")
+    return importlib.import_module(name)
 
 
 def _what_failed(error: OSError) -> str:

@@ -73,7 +73,7 @@ def modules_at(path: str) -> set[str]:
 def needed(stage) -> set[str]:
     """Everything that the stage's module imports, and what those plugins among its deps import that it loads by name."""
     listed = {module for path in code_deps(stage) for module in modules_at(path)}
-    start, closure = set(), {f"stages.{stage.cmd.split()[1]}"}
+    start, closure = set(), {f"stages.{stage.cmd.split()[1]}", "stages._door", "stages._door.__main__"}
     while start != closure:
         start = closure
         closure = start.union(*map(upstream, start))

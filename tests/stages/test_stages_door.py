@@ -1,9 +1,9 @@
 """The stages' door: strict parameters, results in task order, one sentence and an exit code for an error."""
 
 import errno
-import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -197,9 +197,9 @@ def bad_file(params: Nothing, out: Path) -> None:
 def test_an_error_is_one_sentence_and_an_exit_code(tmp_path, monkeypatch, capsys, main, code, sentence):
     write(tmp_path, "work: {}\n")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["work", "x.bin"])
+    monkeypatch.setattr(_door, "_stage", lambda word: SimpleNamespace(Params=Nothing, main=main))
     with pytest.raises(SystemExit) as left:
-        _door.enter("work", Nothing, main)
+        _door.enter("work", "x.bin")
     assert left.value.code == code
     assert capsys.readouterr().err == sentence
 
@@ -208,11 +208,19 @@ def test_an_error_is_one_sentence_and_an_exit_code(tmp_path, monkeypatch, capsys
 def test_a_stage_without_its_paths_names_them(tmp_path, monkeypatch, capsys, paths):
     write(tmp_path, "work: {}\n")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["work", *paths])
+    monkeypatch.setattr(_door, "_stage", lambda word: SimpleNamespace(Params=Nothing, main=bad_file))
     with pytest.raises(SystemExit) as left:
-        _door.enter("work", Nothing, bad_file)
+        _door.enter("work", *paths)
     assert left.value.code == 2
     assert f"work: takes 1 paths (out), {len(paths)} are given" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("word", ["no_such", "_door", "../ingest", ""])
+def test_a_word_that_is_no_stage_is_one_sentence(capsys, word):
+    with pytest.raises(SystemExit) as left:
+        _door.enter(word)
+    assert left.value.code == 2
+    assert capsys.readouterr().err.startswith(f"{word}: there is no such stage: ")
 
 
 def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
