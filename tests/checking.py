@@ -28,6 +28,7 @@ LIMITS = Limits(
     lateral_acceleration=4.0,
     velocity_error=1.0,
     jump=0.5,
+    velocity_step=1.0,
     curvature=0.2,
     side_slip=1.0,
     spin=1.0,

@@ -12,9 +12,9 @@ from drivegen.core.geometry import to_vehicle_frame
 from drivegen.core.scenario import DT, TARGET, Scenario
 from drivegen.goals.candidates import SETTLE, Candidates
 from drivegen.goals.manoeuvres import manoeuvres
-from drivegen.goals.reach import end_speed
 from drivegen.roads.frenet import from_frenet
 from drivegen.roads.line import SPACING
+from drivegen.roads.reach import end_speed
 from drivegen.words.request import Manoeuvre
 
 HARD, HARDEST = 3.0, 4.5

@@ -14,8 +14,8 @@ from drivegen.core.scenario import Trajectories
 SCENES = 4
 LIMITS = Limits(
     overlap=0.1, overlap_context=0.1, off_road=0.5, wrong_way=1.0, oncoming_lanes=0.5, speed=40.0, over_limit=5.0,
-    acceleration=6.0, braking=9.0, lateral_acceleration=6.0, velocity_error=3.0, jump=0.7, curvature=0.3, side_slip=1.5, spin=1.5,
-    red_grace=1.0, stop_speed=2.0, yield_gap=0.5,
+    acceleration=6.0, braking=9.0, lateral_acceleration=6.0, velocity_error=3.0, jump=0.7, velocity_step=1.0, curvature=0.3,
+    side_slip=1.5, spin=1.5, red_grace=1.0, stop_speed=2.0, yield_gap=0.5,
 )  # fmt: skip
 
 

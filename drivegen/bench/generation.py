@@ -20,13 +20,13 @@ from drivegen.bench._row import Row
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Settings as CandidateSettings
-from drivegen.goals.reach import Dynamics
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.placement.place import PlaceSettings
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import build_table
+from drivegen.roads.reach import Dynamics
 from drivegen.rollout.batch import choose, roll_out
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.scene import RolloutSettings

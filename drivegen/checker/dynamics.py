@@ -6,7 +6,8 @@ of travel: a_long = a . v/|v|, a_lat = v/|v| x a, curvature = a_lat / |v|^2. A v
 an error of its own, else a generator could state whatever is legal.
 
 Only whole windows are looked at: shorter ones would be as noisy as tracked logs are, and limits are read off those. What
-happens within one step, a jump or a turn on the spot, hides in a window, so every pair of steps is looked at as well.
+happens within one step, a jump, a kick or a turn on the spot, hides in a window, and no window's centre is near the ends, so
+every pair of steps is looked at as well.
 """
 
 import numpy as np
@@ -23,6 +24,7 @@ from drivegen.checker.limits import (
     SPEED,
     SPIN,
     VELOCITY_ERROR,
+    VELOCITY_STEP,
 )
 from drivegen.core.scenario import DT
 
@@ -85,11 +87,12 @@ def judge(position, direction, velocity, valid, limit, worst, first):  # type: i
 
 @njit(cache=True, error_model="numpy")
 def _judge_steps(position, direction, velocity, valid, limit, worst, first):  # type: ignore[no-untyped-def]
-    """Fill JUMP and SPIN of one trajectory's `worst`, `first` (R,)."""
+    """Fill JUMP, VELOCITY_STEP and SPIN of one trajectory's `worst`, `first` (R,)."""
     last = len(valid) - 1
     motion = (position, direction, velocity, valid)
-    worst[JUMP], worst[SPIN] = highest = _highest_steps(motion, 0, last)
-    for i, rule in enumerate((JUMP, SPIN)):
+    highest = _highest_steps(motion, 0, last)
+    for i, rule in enumerate((JUMP, VELOCITY_STEP, SPIN)):
+        worst[rule] = highest[i]
         if highest[i] > limit[rule]:
             t = 0
             while not _highest_steps(motion, t, t + 1)[i] > limit[rule]:
@@ -99,24 +102,30 @@ def _judge_steps(position, direction, velocity, valid, limit, worst, first):  # 
 
 @njit(cache=True, error_model="numpy", fastmath={"nnan", "nsz"})
 def _highest_steps(motion, begin, end):  # type: ignore[no-untyped-def]
-    """(largest jump [m], fastest turn beyond what the way allows [rad/s]) of steps that begin from `begin` to before `end`."""
+    """The worst of the steps that begin from `begin` to before `end`.
+
+    Its jump [m], its change of velocity [m/s], and its turn beyond what the way allows [rad/s].
+    """
     position, direction, velocity, valid = motion
     here, there = position[begin:], position[begin + 1 :]
     facing, faces = direction[begin:], direction[begin + 1 :]
     before, after = velocity[begin:], velocity[begin + 1 :]
     valid, onward = valid[begin:], valid[begin + 1 :]
-    jump = spin = _NEVER
+    jump = kick = spin = _NEVER
     for t in range(end - begin):
         dx, dy = there[t, 0] - here[t, 0], there[t, 1] - here[t, 1]
         ex = dx - _HALF_STEP * (before[t, 0] + after[t, 0])
         ey = dy - _HALF_STEP * (before[t, 1] + after[t, 1])
+        gx, gy = after[t, 0] - before[t, 0], after[t, 1] - before[t, 1]
         ux, uy = faces[t, 0] - facing[t, 0], faces[t, 1] - facing[t, 1]
         turned = np.sqrt(ux * ux + uy * uy) - _TIGHTEST * np.sqrt(dx * dx + dy * dy)  # the chord of a small angle is the angle
-        missed = ex * ex + ey * ey
+        missed, gained = ex * ex + ey * ey, gx * gx + gy * gy
         both = valid[t] and onward[t]
         jump = missed if both and missed > jump else jump
+        kick = gained if both and gained > kick else kick
         spin = turned if both and turned > spin else spin
-    return np.sqrt(jump) if jump >= 0 else _NEVER, spin * _PER_SECOND
+    any_pair = jump >= 0
+    return np.sqrt(jump) if any_pair else _NEVER, np.sqrt(kick) if any_pair else _NEVER, spin * _PER_SECOND
 
 
 @njit(cache=True, error_model="numpy", fastmath={"nnan", "nsz"})

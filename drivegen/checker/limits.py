@@ -32,6 +32,7 @@ class Limits:
         lateral_acceleration: across it, either side [m/s2].
         velocity_error: difference between the stated velocity and that of the positions [m/s].
         jump: distance between where one step leads and where the stated velocity leads in it [m].
+        velocity_step: how much the stated velocity changes from one step to the next, in any direction [m/s].
         curvature: of the path, while faster than `dynamics.STEERING_SPEED` [1/m].
         side_slip: speed across the vehicle's own heading, or against it [m/s].
         spin: how much faster the heading turns, from one step to the next, than a car that steers as sharply as it can on the way
@@ -54,6 +55,7 @@ class Limits:
     lateral_acceleration: NotNegative
     velocity_error: NotNegative
     jump: NotNegative
+    velocity_step: NotNegative
     curvature: NotNegative
     side_slip: NotNegative
     spin: NotNegative
@@ -109,6 +111,7 @@ ALL_FINITE = 0.0
     LATERAL_ACCELERATION,
     VELOCITY_ERROR,
     JUMP,
+    VELOCITY_STEP,
     CURVATURE,
     SIDE_SLIP,
     SPIN,
@@ -126,6 +129,7 @@ FLAGS = (
     Violation.WRONG_WAY,
     Violation.SPEED,
     Violation.SPEED,
+    Violation.ACCELERATION,
     Violation.ACCELERATION,
     Violation.ACCELERATION,
     Violation.ACCELERATION,

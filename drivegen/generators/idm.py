@@ -3,7 +3,8 @@
 No neural network: the driver is `drivers.idm` with the parameters of its settings, in closed loop with all the others of its
 sample, the context actors and red lights. Samples differ by the ways (drawn evenly among those that the lane graph offers) and by
 each vehicle's wish: desired speed over the speed limit, whose distribution is learnt from the train logs. What is in
-those: of each vehicle that drove at `free_share` of the limit or more, the highest share that it reached.
+those: of each vehicle that drove at `free_share` of the limit or more, the highest share that it reached. Whatever the
+wish, everybody slows down for bends.
 
 There is no right of way at junctions without signals: IDM sees who crosses only once he is in the way. Collisions there
 are what this model makes of traffic.
@@ -142,8 +143,8 @@ class Plugin(Learned):
         draws = rng.random((samples, len(scenario.vehicles)))
         way = (ways.start[:-1] + (draws * np.diff(ways.start)).astype(np.intp)).reshape(-1)
         wish = rng.laplace(float(self.net.middle), float(self.net.log_scale.exp()), way.shape).clip(*WISHES).astype(np.float32)
-        limits = np.nan_to_num(ways.limit[way], nan=self.settings.driver.desired_speed)
-        crowd = Crowd.of(scenario, ways.point[way], limits * wish[:, None], ways.lane[way], ways.parked)
+        wanted = np.nan_to_num(ways.limit[way], nan=self.settings.driver.desired_speed) * wish[:, None]
+        crowd = Crowd.of(scenario, ways.point[way], np.minimum(wanted, ways.cap[way]), ways.lane[way], ways.parked)
         driven = drive(crowd, Driver(self.settings.driver), scenario.steps)
         return Samples.without_goals(scenario.scenario_id, self.name, motion(crowd, scenario, *driven))
 

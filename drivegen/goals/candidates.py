@@ -20,12 +20,12 @@ from drivegen.goals.cover import cover
 from drivegen.goals.kerb import kerb_place
 from drivegen.goals.manoeuvres import Manoeuvre, manoeuvres
 from drivegen.goals.prior import Places, places, shares
-from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
 from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
 from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import SPACING, Route
 from drivegen.roads.parked import STANDING
+from drivegen.roads.reach import Dynamics, end_speed, stopping_distance
 from drivegen.roads.routes import feasible_routes
 
 NO_ROUTE = -1

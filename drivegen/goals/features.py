@@ -21,11 +21,11 @@ from drivegen.goals.forecast import Habit, forecast
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.outlook import Outlooks
 from drivegen.goals.prior import GAP, shares
-from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import HALTED, Neighbours, Queue
 from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
 from drivegen.roads.line import SPACING, Route
 from drivegen.roads.parked import STANDING
+from drivegen.roads.reach import Dynamics, speed_caps
 
 FAR = 200.0
 """Nothing farther ahead than this [m] is told apart."""

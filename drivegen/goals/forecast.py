@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT
 from drivegen.core.signals import Signals
-from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route
+from drivegen.roads.reach import Dynamics, speed_caps
 
 ACCELERATION, BRAKING, HEADWAY, MIN_GAP = 1.6, 2.5, 1.1, 2.0
 """A usual driver's acceleration and comfortable braking [m/s2], time gap [s] and gap at a standstill [m]."""

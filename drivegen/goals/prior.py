@@ -13,9 +13,9 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.goals.reach import Dynamics, speed_caps, stopping_distance, travelled
 from drivegen.goals.traffic import HALTED, Ahead
 from drivegen.roads.line import SPACING, Route
+from drivegen.roads.reach import Dynamics, speed_caps, stopping_distance, travelled
 
 FREE, STEADY, FOLLOW, ANY, BEHIND, RED, ENTRY = 0.4, 0.3, 0.3, 0.4, 0.5, 1.0, 0.3
 """Weights of the parts of the mixture; those that stop count only where there is something to stop for."""

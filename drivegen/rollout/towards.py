@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from drivegen.core import seeds
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.core.settings import NotNegative
-from drivegen.goals.reach import stopping_distance
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.requests import moved
 from drivegen.roads.leaving import Exits
+from drivegen.roads.reach import stopping_distance
 from drivegen.rollout.batch import BRAKING, goal_requests
 from drivegen.rollout.scene import Choices
 

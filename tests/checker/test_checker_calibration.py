@@ -38,7 +38,7 @@ def test_99_percent_of_logged_tracks_pass_each_rule_and_each_flag(logs):
 
 
 def test_limits_follow_the_quantile_but_never_fall_below_the_floor(logs):
-    strict = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.9).limits
+    strict = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.8).limits
     lenient = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.999).limits
     assert lenient.braking > 10
     assert strict.braking == LIMITS.braking
@@ -53,12 +53,12 @@ def test_yield_gaps_are_calibrated_downwards():
 
 
 def test_a_flag_with_several_rules_still_passes_99_percent():
-    """One per cent of the tracks break each of five rules of one flag, never the same ones."""
+    """One per cent of the tracks break each of six rules of one flag, never the same ones."""
     severity = np.zeros((1000, len(RULES)), np.float32)
-    for i, rule in enumerate(("acceleration", "braking", "lateral_acceleration", "velocity_error", "jump")):
+    for i, rule in enumerate(("acceleration", "braking", "lateral_acceleration", "velocity_error", "jump", "velocity_step")):
         severity[10 * i : 10 * i + 10, RULES.index(rule)] = np.arange(100, 110)
     rates = calibrate([severity], LIMITS, 0.99).pass_rate
-    assert FLAGS.count(FLAGS[RULES.index("braking")]) == 5
+    assert FLAGS.count(FLAGS[RULES.index("braking")]) == 6
     assert rates["ACCELERATION"] >= 0.99
 
 

@@ -1,4 +1,4 @@
-"""What happens within one step is judged: jumps, turning on the spot, driving backwards."""
+"""What happens within one step is judged: jumps, kicks, turning on the spot, driving backwards."""
 
 from dataclasses import replace
 
@@ -19,6 +19,22 @@ def test_a_jump_within_one_step_is_illegal_though_its_window_hides_it():
         motion = drive(LINE, 10, 10, STEPS)
         motion.position[step:, 0] += 0.8
         assert judge(ROAD, motion) == ([Violation.ACCELERATION], [step])
+
+
+@pytest.mark.parametrize(("step", "found"), [(1, 1), (40, 40), (STEPS - 1, STEPS - 1)])
+def test_a_kick_within_one_step_is_illegal_at_either_end_too(step, found):
+    motion = drive(LINE, 10, 10, STEPS)
+    motion.velocity[step:, 0] += 1.5  # positions follow: no window's acceleration is beyond 4 m/s2 and nothing jumps
+    motion.position[step:, 0] += np.arange(STEPS - step, dtype=np.float32) * 0.15 + 0.075
+    assert judge(ROAD, motion) == ([Violation.ACCELERATION], [found])
+    assert severity(ROAD, "velocity_step", motion) == pytest.approx(1.5, abs=1e-3)
+    assert severity(ROAD, "jump", motion) < 0.1
+
+
+def test_a_track_of_single_frames_has_no_step_to_judge():
+    motion = drive(LINE, 10, 10, STEPS)
+    motion.valid[1::2] = False
+    assert severity(ROAD, "velocity_step", motion) == -np.inf
 
 
 def test_turning_on_the_spot_is_illegal():

@@ -11,7 +11,7 @@ from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._idm.ways import POINTS, Ways
 from drivegen.generators.idm import Plugin
 from tests.generators.rivals import trained
-from tests.scenes import LIMIT, crossing, drive, joined, scenario, stack, straight_road
+from tests.scenes import LIMIT, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 LINE = straight_road(600, 1).centreline[0].astype(np.float64)
 
@@ -53,6 +53,17 @@ def test_on_a_free_road_everybody_approaches_his_own_wish(idm: Plugin) -> None:
     np.testing.assert_allclose(samples.motion.position[:, 0, :, 1], 0, atol=1e-3)
     step = np.diff(samples.motion.position[:, 0, :, 0], axis=1)
     np.testing.assert_allclose(step, samples.motion.speed[:, 0, 1:] * 0.1, atol=1e-3)
+
+
+def test_everybody_slows_down_for_a_bend_and_drives_on_behind_it(idm: Plugin) -> None:
+    turn = np.linspace(0, np.pi / 2, 13)
+    bend = np.array([100.0, 8.0]) + 8 * np.stack([np.sin(turn), -np.cos(turn)], axis=1)  # to the left, 8 m of radius
+    line = np.concatenate([[[0.0, 0.0]], bend, [[108.0, 400.0]]])
+    motion = generated(idm, scenario(road_map([line]), stack([drive(line, 75, 8, 101)]))).motion
+    inside, behind = (motion.position[:, 0, :, 0] > 101) & (motion.position[:, 0, :, 1] < 7), motion.position[:, 0, :, 1] > 20
+    assert (motion.speed[:, 0][inside] ** 2 / 8 < 4.0).all()
+    assert inside.any(axis=1).all()
+    assert motion.speed[:, 0][behind].max() > 1.5 * motion.speed[:, 0][inside].max()
 
 
 def test_nobody_runs_into_who_stands_ahead(idm: Plugin) -> None:

@@ -17,10 +17,10 @@ from drivegen.goals.candidates import Settings, candidates
 from drivegen.goals.cover import cover
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack, unpack
-from drivegen.goals.reach import Dynamics, end_speed
 from drivegen.goals.scores import Judged, judge, scores
 from drivegen.roads.frenet import from_frenet
 from drivegen.roads.graph import LaneGraph
+from drivegen.roads.reach import Dynamics, end_speed
 from drivegen.store.goals import read_goals, write_goals
 from tests import scenes
 
