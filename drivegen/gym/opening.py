@@ -29,13 +29,20 @@ def opened(
             f"settings are a {type(settings).__name__}: give Settings, as replace(read_params('environment', Settings))"
         )
     settings = settings or read_params(SECTION, Settings)
-    if torch.device(device).type == "cuda" and not torch.cuda.is_available():
+    if _kind_of(device) == "cuda" and not torch.cuda.is_available():
         raise UnusableInput(f"device is {device!r}, and PyTorch finds no GPU here: leave it out")
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
     traffic = list(traffic) if isinstance(traffic, Iterable) else [traffic]
     if not all(map(_is_traffic, traffic)):
         raise UnusableInput("scenarios to drive in are pairs of a scenario and motion of its vehicles, or a folder")
     return Environment(traffic, rows, settings, device)
+
+
+def _kind_of(device: str) -> str:
+    try:
+        return torch.device(device).type
+    except RuntimeError:
+        raise UnusableInput(f"device is {device!r}, which PyTorch does not know: cpu or cuda") from None
 
 
 def _is_traffic(pair: Any) -> bool:

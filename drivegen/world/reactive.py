@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 LATE = 0.01
 """Who is behind its plan by more than this [steps] is late."""
 
+_SAME = 1e-3
+"""[s] Sums of steps of DT miss a delay that is so many of them by less than this."""
+
 
 @dataclass(frozen=True)
 class Reaction:
@@ -107,7 +110,7 @@ class Reactive:
         wished = torch.where(late, (planned - self.speed) / DT, (following - self.speed) / DT)
         wished = torch.where(late, wished.clamp_max(self._law.acceleration), wished)
         demand, for_target = self._demand(world, late)
-        attentive = self.watched >= self._law.delay
+        attentive = self.watched >= self._law.delay - _SAME
         noticed = (demand < 0) | (attentive & (demand < wished))
         self.watched = torch.where(noticed, self.watched + DT, 0.0)
         brakes = attentive & noticed & (demand < wished)

@@ -291,6 +291,8 @@ def test_what_is_no_traffic_settings_or_device_is_one_sentence(kind):
     if not torch.cuda.is_available():
         with pytest.raises(UnusableInput, match="finds no GPU here"):
             kind([alone()], 1, SETTINGS, device="cuda")
+    with pytest.raises(UnusableInput, match="device is 'gpu', which PyTorch does not know: cpu or cuda"):
+        kind([alone()], 1, SETTINGS, device="gpu")
     assert kind(iter([alone()]), 2, SETTINGS).num_envs == 2
 
 

@@ -77,6 +77,16 @@ def test_a_target_that_stops_in_front_is_braked_for_after_the_delay():
     assert float(world.neighbours.speed[0, 0]) < 0.5
 
 
+@pytest.mark.parametrize("steps", [4, 8, 24, 30])
+def test_a_delay_of_whole_steps_is_that_many(monkeypatch, steps):
+    log, begun = stack([drive(LINE, 60, 10, 101), drive(LINE, 10, 10, 101)]), []
+    for delay in (0.1 * steps - 0.05, 0.1 * steps):
+        monkeypatch.setattr(f"{__name__}.LAW", replace(LAW, delay=delay))
+        speed = np.diff(lived(Braking(3.0), log)[1][:, 0, 0])
+        begun.append(int(np.argmax(speed < 0.99)))
+    assert begun[0] == begun[1] > steps
+
+
 def test_braking_is_bounded_so_that_a_target_may_still_be_hit():
     log = stack([drive(LINE, 60, 20, 101), drive(LINE, 52, 20, 101)])
     outcome = Plugin(reaction=LAW).run(Braking(9.0), [scenario(ROAD, log)], [log])

@@ -8,6 +8,7 @@ import numpy as np
 from drivegen.adversaries.shared.arena import Ground
 from drivegen.adversaries.shared.legal import legal
 from drivegen.checker.limits import Limits
+from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario
 from drivegen.planners.base import Planner
@@ -16,7 +17,12 @@ from drivegen.rollout.scene import Choices, RolloutSettings
 
 
 def sampled(choices: Sequence[Choices], samples: Sequence[Samples], scenes: int, planner: Planner, limits: Limits) -> Ground:
-    """The first `scenes` samples of each scenario; who could not be made legal is left out, as in what is shipped."""
+    """The first `scenes` samples of each scenario; who could not be made legal is left out, as in what is shipped.
+
+    Raises UnusableInput where the samples are those of other scenarios.
+    """
+    if [choice.scenario.scenario_id for choice in choices] != [one.scenario_id for one in samples]:
+        raise UnusableInput("the recorded traffic belongs to other scenarios: run the stage that made it again")
     traffic = [legal(one, k) for one in samples for k in range(min(scenes, len(one.dropped)))]
     of = np.repeat(np.arange(len(choices)), [min(scenes, len(one.dropped)) for one in samples])
     return Ground(choices, of, traffic, planner, limits)
