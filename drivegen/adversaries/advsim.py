@@ -64,7 +64,7 @@ class Plugin:
         """See `base.Adversary`."""
         ground, settings = arena.ground, self.settings
         scenes = np.unique(ground.of, return_index=True)[1].astype(np.int64)
-        driven = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
+        driven = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).to_the_end
         who = attackers(arena, scenes, everywhere(driven, scenes, len(ground.of)))
         scenes, who = scenes[who >= 0], who[who >= 0]
         searches = [_Search(arena, int(s), int(n), settings) for s, n in zip(scenes, who, strict=True)]
@@ -91,13 +91,14 @@ class _Search:
         self.bound = np.repeat([settings.acceleration, settings.curvature], settings.knots)
         self.mean, self.spread = np.zeros_like(self.bound), self.bound / np.sqrt(3)
         self.random = seeds.rng(arena.seed, "advsim", arena.trials.scenarios[scene].scenario_id)
-        self.asked = np.zeros((0, len(self.bound)))
+        self.asked, self.told = np.zeros((0, len(self.bound))), False
 
     def ask(self, count: int) -> Trajectories:
         """At most `count` tracks that are allowed."""
         drawn = self._draw(count * self.settings.tries)
-        tracks = perturbed(self.track, *np.split(drawn, 2, axis=1)).padded(self.arena.trials.steps)
         scene, vehicle = np.full(len(drawn), self.scene), np.full(len(drawn), self.attacker)
+        tracks = perturbed(self.track, *np.split(drawn, 2, axis=1)).padded(self.arena.trials.steps)
+        tracks = self.arena.on_the_map(scene, vehicle, tracks)
         rows = np.flatnonzero(self.arena.allows(scene, vehicle, tracks))
         rows = self.arena.first_allowed(scene, vehicle, tracks, rows, count)
         self.asked = drawn[rows]
@@ -106,11 +107,12 @@ class _Search:
     def tell(self, cost: NDArray[np.floating]) -> None:
         """Costs of the tracks that were asked for."""
         if len(cost):
+            self.told = True
             best = self.asked[np.argsort(cost, kind="stable")[: max(2, round(self.settings.elite * len(cost)))]]
             self.mean, self.spread = best.mean(0), np.maximum(best.std(0), LEAST * self.bound)
 
     def _draw(self, count: int) -> NDArray[np.float64]:
-        if self.asked.size == 0:
+        if not self.told:
             return self.random.uniform(-self.bound, self.bound, (count, len(self.bound)))
         return np.clip(self.random.normal(self.mean, self.spread, (count, len(self.bound))), -self.bound, self.bound)
 
@@ -118,7 +120,8 @@ class _Search:
 def _costs(arena: Arena, variants: Variants, outcome: DrivingOutcome) -> NDArray[np.float64]:
     """(V,) of each run, of one exchanged track."""
     cost = np.empty(len(variants))
-    near = approaches(arena.trials, outcome.motion, variants.scene, variants.vehicle, variants.motion, np.arange(len(variants)))
+    driven, run = outcome.to_the_end, np.arange(len(variants))
+    near = approaches(arena.trials, driven, variants.scene, variants.vehicle, variants.motion, run)
     cost[:] = np.minimum(near.gap, 1e3)
     good = outcome.counted
     return np.asarray(cost - REWARD * good + MALUS * (outcome.collided & ~good))

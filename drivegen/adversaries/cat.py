@@ -64,7 +64,7 @@ class Chooser:
         """See `base.Adversary`."""
         ground = arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
-        motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
+        motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).to_the_end
         pool = self.source.candidates(arena, scenes)
         overlap, gap = _nearness(arena, pool, everywhere(motion, scenes, len(ground.of)))
         pool = self.source.varied(arena, pool, _ranked(_odds(pool) * overlap, gap))
@@ -80,7 +80,7 @@ class Chooser:
             if not len(rows):
                 return
             runs[scenes] += 1
-            tried[rows], scenes, motion = True, pool.scene[rows], outcome.motion
+            tried[rows], scenes, motion = True, pool.scene[rows], outcome.to_the_end
 
 
 class Plugin(Chooser):

@@ -78,17 +78,18 @@ class Plugin:
         """See `base.Adversary`."""
         of, settings = arena.ground.of, self.settings
         scenes = np.unique(of, return_index=True)[1].astype(np.int64)
-        driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(of))
+        driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).to_the_end, scenes, len(of))
         who = attackers(arena, scenes, driven)
         scenes, who = scenes[who >= 0], who[who >= 0]
         for turn in range(settings.rounds if len(scenes) else 0):
             most = arena.share_of(settings.rounds - turn)
             scene, vehicle = (np.repeat(each, most[of[scenes]] * settings.tries) for each in (scenes, who))
             motion, odds = self._denoised(arena, scene, vehicle, driven, turn)
+            motion = arena.on_the_map(scene, vehicle, motion)
             order = np.flatnonzero(arena.allows(scene, vehicle, motion))
             rows = arena.first_allowed(scene, vehicle, motion, order, most)
             outcome = arena.drive(Variants.one_each(scene[rows], vehicle[rows], motion[rows]), odds[rows])
-            driven.put(scene[rows], outcome.motion)
+            driven.put(scene[rows], outcome.to_the_end)
 
     def _denoised(
         self, arena: Arena, scene: NDArray[np.int64], vehicle: NDArray[np.int64], driven: Trajectories, turn: int

@@ -11,7 +11,7 @@ What the driver did about the first candidates then teaches which encounters (re
 collision: P(collision | encounter), with its denominators, ranks the rest, with `weight` (0 in the tables: it gained nothing).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ class Ranked:
         """Single attackers in at most `rounds` of `learn_after` runs; all candidates (Q,), and what each costs (Q,) [m]."""
         settings, ground = self.settings, arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
-        driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
+        driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).to_the_end, scenes, len(ground.of))
         pool = self.source.candidates(arena, scenes)
         cost, count = self._cost(arena, pool, driven), len(pool)
         pool = self.source.varied(arena, pool, _in_turn(cost, pool, np.zeros(count, np.bool_), settings.again))
@@ -120,8 +120,7 @@ class Plugin(Ranked):
 def _encounters(arena: Arena, pool: Candidates, driven: Trajectories) -> Encounters:
     """(Q,) of each candidate with the target as it drove."""
     sizes = [scenario.vehicles.size for scenario in arena.trials.scenarios]
-    target = driven.standing_after_end()
-    target = replace(target, valid=np.ones_like(target.valid))[pool.scene]
+    target = driven[pool.scene]
     own = np.array([sizes[s][TARGET] for s in pool.scene.tolist()]).reshape(-1, 3)
     other = np.array([sizes[s][n] for s, n in zip(pool.scene.tolist(), pool.vehicle.tolist(), strict=True)]).reshape(-1, 1, 3)
     met = encounters(target, own, pool.motion[:, None], other)

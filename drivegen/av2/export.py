@@ -1,7 +1,7 @@
 """Write one scenario in the official Argoverse 2 Motion Forecasting layout, which the av2 package's own loaders open.
 
 `<folder>/<id>/scenario_<id>.parquet`, `log_map_archive_<id>.json` and, where there are signals, `signals_<id>.json`.
-Beyond the official columns and keys: box sizes, lane speed limits and control, stop lines (`schema`, `maps`).
+Beyond the official columns and keys: box sizes, who is a truck, lane speed limits and control, stop lines (`schema`, `maps`).
 """
 
 from pathlib import Path
@@ -27,6 +27,9 @@ def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scen
     place = folder / scenario_id
     write_table(place / f"scenario_{scenario_id}.parquet", track_table(scenario, motion, scenario_id))
     write_bytes(place / f"log_map_archive_{scenario_id}.json", write_map(scenario.map))
+    signals = place / f"signals_{scenario_id}.json"
     if len(scenario.signals):
-        write_bytes(place / f"signals_{scenario_id}.json", write_signals(scenario.signals, scenario.map))
+        write_bytes(signals, write_signals(scenario.signals, scenario.map))
+    else:
+        signals.unlink(missing_ok=True)  # of a scenario that was there before
     return place

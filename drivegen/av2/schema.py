@@ -15,6 +15,9 @@ OBSERVED_STEPS = 50
 SIZE_COLUMNS = ("length", "width", "height")
 """Our columns beside the official ones [m]; NaN where unknown."""
 
+TRUCK = "truck"
+"""Another of ours: whether a `vehicle` is a truck, for which the format has no word."""
+
 COLUMNS = pa.schema(
     [
         ("observed", pa.bool_()),
@@ -34,6 +37,7 @@ COLUMNS = pa.schema(
         ("focal_track_id", pa.string()),
         ("city", pa.string()),
         *((name, pa.float64()) for name in SIZE_COLUMNS),
+        (TRUCK, pa.bool_()),
     ]
 )
 """The 16 official columns, then ours."""
@@ -49,8 +53,8 @@ NUMBERS = ("position_x", "position_y", "heading", "velocity_x", "velocity_y")
 REQUIRED = ("timestep", *WORDS, *NUMBERS, *CONSTANTS)
 """Columns without which a file cannot be used."""
 
-READ, REPEATED = [*REQUIRED, *SIZE_COLUMNS], [*WORDS, *CONSTANTS]
-"""Columns that are read, sizes where they are there; and those of them with few different values."""
+READ, REPEATED = [*REQUIRED, *SIZE_COLUMNS, TRUCK], [*WORDS, *CONSTANTS]
+"""Columns that are read, ours where they are there; and those of them with few different values."""
 
 EGO_TRACK = "AV"
 """Track id of the recording vehicle."""
@@ -77,7 +81,7 @@ KIND_OF_TYPE = {
 
 TYPE_OF_KIND = {
     VehicleKind.CAR: "vehicle",
-    VehicleKind.TRUCK: "vehicle",  # the format has no trucks
+    VehicleKind.TRUCK: "vehicle",  # the column TRUCK tells
     VehicleKind.BUS: "bus",
     VehicleKind.PEDESTRIAN: "pedestrian",
     VehicleKind.CYCLIST: "cyclist",
@@ -85,7 +89,7 @@ TYPE_OF_KIND = {
 }
 
 TRUCK_LENGTH = 6.5
-"""A `vehicle` whose own box is longer [m] is read as a truck: the format has no word for one."""
+"""A `vehicle` whose own box is longer [m] is read as a truck where no column TRUCK tells."""
 
 CROSSABLE_MARKS = frozenset(
     {

@@ -108,10 +108,18 @@ def log_files(folder: Path) -> tuple[Path, Path, Path]:
     return matches[0][0], matches[1][0], matches[2][0]
 
 
-def count_frames(folder: Path) -> int:
-    """Annotated frames of one log, read from one column."""
+def count_steps(folder: Path) -> int:
+    """Steps of one log from its first annotated frame to its last, read from one column."""
     annotations = log_files(folder)[0]
-    return len(_read(annotations, _TIME)["timestamp_ns"].unique())
+    return int(_steps(np.unique(_read(annotations, _TIME)["timestamp_ns"].to_numpy()), annotations)[-1]) + 1
+
+
+def _steps(time: NDArray[np.int64], annotations: Path) -> NDArray[np.int64]:
+    """(F,) the step of each of F frames at `time` [ns], ascending; frames may be missing."""
+    step = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(time) / _PERIOD)))]).astype(np.int64)
+    if len(time) == 0 or step[-1] > 100 * len(time):
+        raise UnusableInput(f"{annotations} has no frames at 10 Hz", reason="no-rows")
+    return step
 
 
 def read_sensor_log(folder: Path) -> SensorLog:
@@ -125,9 +133,7 @@ def read_sensor_log(folder: Path) -> SensorLog:
     of_track = np.unique(category[left_out] * len(ids) + uuid[left_out]) // len(ids)
     skipped = {str(categories[i]): int(count) for i, count in zip(*np.unique(of_track, return_counts=True), strict=True)}
     time, frame = np.unique(boxes["timestamp_ns"].to_numpy(), return_inverse=True)
-    step = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(time) / _PERIOD)))]).astype(np.int64)
-    if len(time) == 0 or step[-1] > 100 * len(time):
-        raise UnusableInput(f"{annotations} has no frames at 10 Hz", reason="no-rows")
+    step = _steps(time, annotations)
     rotation, translation = _pose_at(_read(poses, _POSE), time, str(poses))
     tracks, first_row, track = np.unique(uuid[keep], return_index=True, return_inverse=True)
     size = np.stack([boxes[name].to_numpy()[keep][first_row] for name in _SIZE], axis=-1)

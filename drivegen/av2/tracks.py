@@ -21,6 +21,7 @@ from drivegen.av2.schema import (
     OBSERVED_STEPS,
     REQUIRED,
     SIZE_COLUMNS,
+    TRUCK,
     TRUCK_LENGTH,
     TYPE_OF_KIND,
     TrackCategory,
@@ -40,7 +41,7 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
     """All tracks of one recording as dense arrays, in the map's frame.
 
     Args:
-        tracks: the official columns (`schema.REQUIRED` at least; `length`, `width`, `height` [m] are used if there).
+        tracks: the official columns (`schema.REQUIRED` at least; `length`, `width`, `height` [m] and `truck` are used if there).
         road_map: map of the recording; its origin is subtracted from the positions.
         source: data set in words.
         place: the file's name for error sentences.
@@ -65,7 +66,7 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
     skipped = {word: int(np.count_nonzero(object_type[~keep] == word)) for word in sorted(set(object_type[~keep].tolist()))}
     motion = _dense(tracks, track, step, (len(track_id), steps), road_map.origin, place)
     size = _sizes(tracks, first_row)
-    kind[(kind == VehicleKind.CAR) & (size[:, 0] > TRUCK_LENGTH)] = VehicleKind.TRUCK
+    kind[(kind == VehicleKind.CAR) & _trucks(tracks, first_row, size)] = VehicleKind.TRUCK
     constant = {name: tracks[name][0].as_py() for name in CONSTANTS}
     return RecordedLog(
         scenario_id=constant["scenario_id"],
@@ -85,7 +86,7 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
 
 def _checked(tracks: pa.Table, place: str) -> pa.Table:
     """The columns we read, proved to be sound and of one scenario, and steps that are not absurd."""
-    tracks = checked(tracks, pa.schema([COLUMNS.field(name) for name in REQUIRED]), place, SIZE_COLUMNS)
+    tracks = checked(tracks, pa.schema([COLUMNS.field(name) for name in REQUIRED]), place, (*SIZE_COLUMNS, TRUCK))
     low, high = pc.min_max(tracks["timestep"]).as_py().values()
     if low < 0 or high >= MOST_CELLS:
         raise UnusableInput(f"{place}: time steps run from {low} to {high}", reason="out-of-range")
@@ -125,13 +126,24 @@ def _dense(
 
 
 def _sizes(tracks: pa.Table, first_row: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Length, width, height (M, 3) [m] from each track's first row; NaN where there is no usable number."""
+    """Length, width, height (M, 3) [m] from each track's first row; NaN where there is no usable number.
+
+    Flat recordings have no heights; length and width are there together or not at all.
+    """
     size = np.full((len(first_row), 3), np.nan, np.float32)
     for axis, name in enumerate(SIZE_COLUMNS):
         if name in tracks.column_names and is_number(tracks.schema.field(name).type):
             size[:, axis] = tracks[name].to_numpy()[first_row]
-    size[~((size > 0) & (size <= LONGEST)).all(-1)] = np.nan
+    size[~((size > 0) & (size <= LONGEST))] = np.nan
+    size[np.isnan(size[:, :2]).any(-1)] = np.nan
     return size
+
+
+def _trucks(tracks: pa.Table, first_row: NDArray[np.int64], size: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """(M,) whether each track would be a truck as a `vehicle`: by our column where it is there, else by its length."""
+    if TRUCK in tracks.column_names and pa.types.is_boolean(tracks.schema.field(TRUCK).type) and not tracks[TRUCK].null_count:
+        return np.asarray(tracks[TRUCK].to_numpy()[first_row], np.bool_)
+    return np.asarray(size[:, 0] > TRUCK_LENGTH)
 
 
 def _row(track_id: NDArray[np.str_], name: str) -> int:
@@ -184,6 +196,7 @@ def track_table(scenario: Scenario, motion: Trajectories, scenario_id: str) -> p
         "focal_track_id": str(vehicles.track_id[TARGET]),
         "city": scenario.city,
         **{name: size[track, axis] for axis, name in enumerate(SIZE_COLUMNS)},
+        TRUCK: (kind == VehicleKind.TRUCK)[track],
     }
     arrays = [_column(columns[field.name], field.type, len(track)) for field in COLUMNS]
     return pa.Table.from_arrays(arrays, schema=COLUMNS)

@@ -119,6 +119,12 @@ def _median(values: Sequence[float], how: str, unit: str = "") -> str:
     return f"{np.median(there):{how}}{unit}" if there else "-"
 
 
+def _track(case: Case, number: int) -> str:
+    """The track id of a vehicle of the scenario or, from the number of vehicles on, of a person: the same in every file."""
+    vehicles, context = case.scenario.vehicles, case.scenario.context
+    return str(vehicles.track_id[number] if number < len(vehicles) else context.track_id[number - len(vehicles)])
+
+
 def _row(one: Judgement) -> dict[str, Any]:
     """A case for programs."""
     case = one.case
@@ -128,6 +134,7 @@ def _row(one: Judgement) -> dict[str, Any]:
         "sentence": one.sentence,
         "attacker": case.attacker or None,  # in logged traffic nobody was given another motion
         "partner": case.partner,
+        "tracks": {"attacker": _track(case, case.attacker) if case.attacker else None, "partner": _track(case, case.partner)},
         "seconds": round(case.step * 0.1, 1),
         "odds": None if np.isnan(case.odds) else case.odds,
         "avoidable": one.replayed.verdict,

@@ -60,12 +60,13 @@ def command(
     result = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
     console = plain()
     console.print(_table(result))
-    console.print(_sentence(tested.name, result, pool, len(left_out)))
+    seconds = pool.seconds(tested)
+    console.print(_sentence(tested.name, result, seconds, len(scenes), len(left_out)))
     if out:
         about = {"driver": driver, "folder": str(scenarios), "scenes": len(scenes), "left_out": left_out, "draws": settings.draws}
         strata = {"edges": EDGES.tolist(), "share": result.share.tolist(), "runs": result.runs.tolist()}
         strata |= {"failed": result.failed.tolist()}
-        write_json(out, about | asdict(result.rate) | {"seconds": pool.seconds, "strata": strata})
+        write_json(out, about | asdict(result.rate) | {"seconds": seconds, "strata": strata})
 
 
 def _settings(draws: int | None) -> _Settings:
@@ -92,12 +93,12 @@ def _table(result: Estimate) -> Table:
     return table
 
 
-def _sentence(name: str, result: Estimate, pool: Pool, left_out: int) -> str:
-    rate, hourly = result.rate, HOUR / pool.seconds
-    scenes = many(len(pool.scenes), "scene") + (f" ({left_out} more have too little that is legal)" if left_out else "")
+def _sentence(name: str, result: Estimate, seconds: float, count: int, left_out: int) -> str:
+    rate, hourly = result.rate, HOUR / seconds
+    scenes = many(count, "scene") + (f" ({left_out} more have too little that is legal)" if left_out else "")
     return (
         f"{name}: {rate.value:.2g} counted collisions a scene (95 %: {rate.low:.2g} to {rate.high:.2g}), "
         f"{hourly * rate.value:.2g} an hour ({hourly * rate.low:.2g} to {hourly * rate.high:.2g}), by "
-        f"{result.runs.sum() + len(pool.scenes)} runs in {scenes}. Generated traffic that keeps the rules, neighbours that "
+        f"{result.runs.sum() + count} runs in {scenes}. Generated traffic that keeps the rules, neighbours that "
         "react; in other scenes it would be another rate."
     )

@@ -23,7 +23,9 @@ KINDS = {"busLane": LaneKind.BUS, "bicycleLane": LaneKind.BIKE}
 
 NO_LANES = ("sidewalk", "crosswalk", "shoulder", "border", "parking", "restricted")
 
-_ONLY_FOR = {"bus": "busLane", "taxi": "busLane", "bicycle": "bicycleLane", "pedestrian": "sidewalk"}
+_ONLY_FOR = {
+    "bus": "busLane", "taxi": "busLane", "bicycle": "bicycleLane", "pedestrian": "sidewalk", "train": "restricted"
+}  # fmt: skip
 """What a lanelet is whose named users are all among these, by the first that is named."""
 
 MOST_LANES = 5000

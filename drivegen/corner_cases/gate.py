@@ -144,24 +144,26 @@ def gate(old: Driver, new: Driver, futures: Futures, settings: Settings, seed: i
     traffic = [(scenario, motion) for scenario, _, motion in futures]
     blocks = [traffic[first : first + BLOCK] for first in range(0, len(traffic), BLOCK)]
     driven = [_driven((old, new), block, settings.avoidable) for block in blocks]
-    collided, off_road = (np.concatenate(parts, axis=1) for parts in zip(*driven, strict=True))
+    collided, off_road, steps = (np.concatenate(parts, axis=1) for parts in zip(*driven, strict=True))
     scenarios = [scenario.scenario_id for scenario, _ in traffic]
     recordings = [recording(name) for name in scenarios]
     values = np.stack([*collided, collided[1].astype(np.int64) - collided[0]], axis=1).astype(np.float64)
     shares = bootstrap_means(values, recordings, settings.draws, rng(seed, "gate", "bootstrap"))
     paired = Paired.of(collided[0], collided[1], recordings)
-    return Gate(settings, scenarios, [k for _, k, _ in futures], collided, paired, shares, (*off_road.mean(axis=1).tolist(),))
+    before, after = ((off_road * steps).sum(axis=1) / steps.sum(axis=1)).tolist()
+    return Gate(settings, scenarios, [k for _, k, _ in futures], collided, paired, shares, (before, after))
 
 
 def _driven(
     drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Trajectories]], avoidable: bool
-) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
-    """(D, R) whether each driver has a collision that counts in each run, and the share of the run that it is off the road."""
+) -> tuple[NDArray[np.bool_], NDArray[np.float32], NDArray[np.int64]]:
+    """(D, R) whether each driver has a collision that counts in each run, its share of the run off the road, its steps there."""
     scenarios = [scenario for scenario, _ in traffic]
     outcomes = Batch().run_each(drivers, scenarios, [motion for _, motion in traffic])
     off_road = np.stack([with_off_road(outcome, scenarios).off_road for outcome in outcomes])
+    steps = np.stack([outcome.motion.valid.sum(axis=1) for outcome in outcomes])
     if not avoidable:
-        return np.stack([outcome.counted for outcome in outcomes]), off_road
+        return np.stack([outcome.counted for outcome in outcomes]), off_road, steps
     failed: list[Failures] = []
     for outcome, driver in zip(outcomes, drivers, strict=True):
         known = (outcomes[0], failed[0]) if failed else None
@@ -170,7 +172,7 @@ def _driven(
             return replayed_case(*traffic[run], outcome, run, driver.name)
 
         failed.append(failures(outcome, case, known))
-    return np.not_equal(np.stack(failed), NONE).astype(np.bool_), off_road
+    return np.not_equal(np.stack(failed), NONE).astype(np.bool_), off_road, steps
 
 
 def _to_one(value: float) -> str:

@@ -17,7 +17,7 @@ from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.world.bicycle import placed
 from drivegen.world.ego import Ego
-from drivegen.world.ends import Surface
+from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Neighbours, Replayed
 from drivegen.world.observation import Action
 from drivegen.world.outcome import ARTEFACTS
@@ -57,6 +57,7 @@ class Reenactment:
 
     Attributes:
         scenes: Scenes of the C cases. surface: where their roads are.
+        way_out: (C,) [m] how far along their paths they leave the map, inf if never.
         attacker: (C,) int64 the vehicle that does not react. partner: (C,) int64 the other that was hit, from 0 on.
         contact, end: (C,) int64 steps of the collision, and until which an evasion is watched.
         driven: Trajectories (C, T) of the targets. other: (C, T) of the others that were hit; other_size: (C, 2) [m] theirs.
@@ -64,6 +65,7 @@ class Reenactment:
 
     scenes: Scenes
     surface: Surface
+    way_out: Tensor
     attacker: Tensor
     partner: NDArray[np.int64]
     contact: NDArray[np.int64]
@@ -80,9 +82,11 @@ class Reenactment:
         paths, lasts = target_paths(scenarios, traffic), contact + WATCH + 1
         going_on = [_with_people_going_on(scenario, last) for scenario, last in zip(scenarios, lasts.tolist(), strict=True)]
         traffic = [_going_on(motion, last) for motion, last in zip(traffic, lasts.tolist(), strict=True)]
+        scenes = Scenes.of(going_on, traffic, paths)
         return cls(
-            Scenes.of(going_on, traffic, paths),
+            scenes,
             Surface.of(scenarios),
+            exits(scenes, scenarios),
             torch.tensor([case.deaf for case in cases]),
             np.array([case.partner - 1 for case in cases]),
             contact,
@@ -109,7 +113,8 @@ class Reenactment:
     ) -> NDArray[np.bool_]:
         """(R,) whether `case` (R,) is avoided where its target evades by `evasion` (R,) from `step` (R,) on.
 
-        A case is avoided where the target stays on the road and hits nobody until the end, and nobody hits it. One exception:
+        A case is avoided where the target stays on the road and hits nobody until the end or its way out of the map, and nobody
+        hits it. One exception:
         where neighbours are replayed, others than the partner may hit it from behind, or while it stands; who has done so is
         passed through from then on.
         """
@@ -136,7 +141,7 @@ class Reenactment:
         for k in range(int(steps.max(initial=0))):
             world.advance(plan.action(k, offset))
             now = (world.ego, world.neighbours.boxes(world))
-            watched &= k < steps
+            watched &= (k < steps) & self._on_the_map(world)
             there = now[1].without(passed) if passed.any() else now[1]
             partner = np.where(watched, touched(world, there).numpy(), -1)
             mine = (partner >= 0) & (strict | (partner == self.partner[case]))
@@ -148,6 +153,9 @@ class Reenactment:
             watched &= good
             moment = now
         return good
+
+    def _on_the_map(self, world: World) -> NDArray[np.bool_]:
+        return np.asarray((world.ego.along < self.way_out[world.scene]).numpy())
 
     def _off_road(self, world: World) -> NDArray[np.bool_]:
         return np.asarray(self.surface.off_road(world.scene, world.ego.position, world.ego.heading, world.size).numpy())

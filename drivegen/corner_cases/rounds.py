@@ -112,8 +112,7 @@ def _drive(choices: Sequence[Choices], traffic: Sequence[Samples], driver: Drive
 
 def _to_the_end(drive: Drive) -> Trajectories:
     """The target's motion (K, T), standing where its run ended in a collision and gone where it left the map."""
-    driven = drive.target
-    return replace(driven.standing_after_end(), valid=driven.valid | ~drive.outcome.left_map[:, None])
+    return drive.outcome.to_the_end.until(drive.target.steps)
 
 
 def _with_planned_target(around: Samples, planned: Samples) -> Samples:

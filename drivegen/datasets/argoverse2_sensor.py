@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from drivegen.av2.schema import EGO_TRACK
-from drivegen.av2.sensor import FITTED, SensorLog, count_frames, log_files, read_sensor_log
+from drivegen.av2.sensor import FITTED, SensorLog, count_steps, log_files, read_sensor_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.signals import Signals
@@ -66,7 +66,7 @@ def read_whole_log(folder: Path) -> RecordedLog:
 
 def _windows(log: Path) -> int:
     try:
-        return 1 + max(0, count_frames(log) - FITTED + 1 - WINDOW) // STRIDE
+        return 1 + max(0, count_steps(log) - FITTED + 1 - WINDOW) // STRIDE
     except UnusableInput:
         return 1
 

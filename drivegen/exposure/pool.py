@@ -68,13 +68,12 @@ class Pool:
     """N = S * D draws, numbered scene by scene.
 
     Attributes:
-        scenes: (S,), at least one. seconds: [s] how long they last on average.
+        scenes: (S,), at least one.
     """
 
     def __init__(self, scenes: Sequence[Drawn], driver: Driver, reaction: Reaction) -> None:
         """Traffic is packed for `driver`; others are driven as well."""
         self.scenes = scenes
-        self.seconds = float(np.mean([(scene.choice.scenario.steps - 1) * DT for scene in scenes]))
         self._draws = len(scenes[0].rows)
         first = [scene.law.scenes(scene.rows[:1])[0] for scene in scenes]
         self._trials = Trials(driver, [scene.choice.scenario for scene in scenes], first, reaction)
@@ -92,16 +91,23 @@ class Pool:
         some = np.array_split(picks, len(picks) // CHUNK + 1)  # traffic of thousands of draws at once takes gigabytes
         return np.concatenate([self.drive([driver], part)[0].counted for part in some])
 
+    def seconds(self, driver: Driver) -> float:
+        """How long [s] the driver drives in a scene, in the mean of one run in each: until it collides, leaves, or the end."""
+        return float(_driven_seconds(self._first(driver)).mean())
+
     def near(self, driver: Driver) -> NDArray[np.float32]:
         """(N,) [m] how near the others come in each draw; takes a run of the driver in each scene."""
-        [first] = self.drive([driver], np.arange(len(self.scenes)) * self._draws)
+        first = self._first(driver)
         owner = [np.repeat(scene.law.vehicle, np.diff(scene.law.start)) for scene in self.scenes]
         of = np.repeat(np.arange(len(self.scenes)), list(map(len, owner)))
-        met = approaches(self._trials, first.motion, of, np.concatenate(owner), Trajectories.joined(self._motion))
+        met = approaches(self._trials, first.to_the_end, of, np.concatenate(owner), Trajectories.joined(self._motion))
         cost = met.cost(CAUTION, BEHIND)
         ends = np.cumsum([0, *map(len, owner)])
         of_scenes = zip(self.scenes, pairwise(ends), strict=True)
         return np.concatenate([cost[low:high][scene.rows].min(axis=1, initial=np.inf) for scene, (low, high) in of_scenes])
+
+    def _first(self, driver: Driver) -> DrivingOutcome:
+        return self.drive([driver], np.arange(len(self.scenes)) * self._draws)[0]
 
     def _variants(self, picks: NDArray[np.integer]) -> Variants:
         nobody, none = np.zeros(len(picks), np.int64), np.zeros(0, np.int64)
@@ -115,12 +121,17 @@ class Pool:
         return Variants(of, nobody, np.concatenate(row), np.concatenate(vehicle), Trajectories.joined(motion))
 
 
+def _driven_seconds(outcome: DrivingOutcome) -> NDArray[np.float64]:
+    return np.asarray((outcome.motion.valid.sum(axis=1) - 1) * DT)
+
+
 @dataclass(frozen=True)
 class Exposure:
     """What became of M drivers in all D draws of S scenes.
 
     Attributes:
-        scenarios: (S,) ids. seconds: (S,) how long they last. failed: (S, D, M) bool. near: (S, D, M) float32 [m].
+        scenarios: (S,) ids. seconds: (S,) how long the drivers drive there, in the mean of all runs.
+        failed: (S, D, M) bool. near: (S, D, M) float32 [m].
         left_out: ids of further scenes in which too few draws were legal.
     """
 
@@ -141,8 +152,8 @@ class Exposure:
         parts = [pool.drive(drivers, np.arange(draws) + s * draws) for s in range(count)]
         failed = np.stack([np.stack([outcome.counted for outcome in part], axis=1) for part in parts])
         near = np.stack([pool.near(driver).reshape(count, draws) for driver in drivers], axis=2)
-        scenarios = [scene.choice.scenario for scene in scenes]
-        return cls([s.scenario_id for s in scenarios], [(s.steps - 1) * DT for s in scenarios], failed, near, left_out)
+        seconds = [float(np.mean([_driven_seconds(outcome) for outcome in part])) for part in parts]
+        return cls([scene.choice.scenario.scenario_id for scene in scenes], seconds, failed, near, left_out)
 
     @classmethod
     def joined(cls, parts: "Sequence[Exposure]") -> "Exposure":

@@ -14,8 +14,8 @@ from drivegen.store.lookup import futures_in
 from drivegen.store.samples import holds_samples
 from drivegen.store.scenarios import read_shard, shards
 
-SELECTION = Settings(target="focal", max_vehicles=32, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
-"""How an Argoverse 2 recording becomes a scenario."""
+SELECTION = Settings(target="focal", max_vehicles=1000, first_step=0, horizon=20_000, map_radius=None, smallest_shrink=0.8)
+"""How an Argoverse 2 recording becomes a scenario: with all of its vehicles and steps."""
 
 SCENES = Path("data/scenarios/test")
 """What samples hold futures of, where nothing else is said."""

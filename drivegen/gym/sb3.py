@@ -36,7 +36,7 @@ def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
     if len(parts) != 2 * len(linear) - 1 or type(extractor) is not FlattenExtractor:  # a subclass may change what is seen
         raise UnusableInput("the policy has layers that are neither linear nor activations between them")
     try:
-        write_network(Path(folder), name, linear, activation, squashed=sac)
+        write_network(Path(folder), name, linear, activation, squashed=sac or bool(policy.squash_output))
     except ValueError as error:
         raise UnusableInput(f"the policy's network is no driver's ({error}): train one with tanh or ReLU") from None
 

@@ -4,6 +4,7 @@ Scenes rich in encounters are chosen by the same measure, taken of the logged ta
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,5 +52,6 @@ def _near(target: Trajectories, scenario: Scenario, traffic: Trajectories, withi
         into = getattr(together, name)[0]
         into[:] = getattr(traffic, name)
         into[TARGET] = getattr(target, name)[: traffic.steps]
-    around = surroundings(Boxes.of(together, scenario.vehicles.size, scenario.context), 1)
+    context = replace(scenario.context, motion=scenario.context.motion.until(traffic.steps))
+    around = surroundings(Boxes.of(together, scenario.vehicles.size, context), 1)
     return bool((around.time_to_collision[0, 0, FIRST_SECOND + 1 :] < within).any())

@@ -110,6 +110,11 @@ class DrivingOutcome:
         return cls(motion=motion, **{name: np.concatenate(arrays) for name, arrays in joined.items()})
 
     @property
+    def to_the_end(self) -> Trajectories:
+        """(S, T) the targets' motion, standing where a run ended in a collision and gone where it left the map."""
+        return replace(self.motion.standing_after_end(), valid=self.motion.valid | ~self.left_map[:, None])
+
+    @property
     def collided(self) -> NDArray[np.bool_]:
         """(S,)."""
         return np.not_equal(self.kind, CollisionKind.NONE)

@@ -15,7 +15,7 @@ from drivegen.report.published.corner import corner_rows
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
-from drivegen.world.outcome import CollisionKind
+from drivegen.world.outcome import CollisionKind, DrivingOutcome
 from drivegen.world.reactive import Reaction
 from tests.checking import IDM, LIMITS
 from tests.models import candidate_settings, planner
@@ -44,6 +44,23 @@ def test_the_gap_is_between_boxes_and_the_warning_is_how_long_it_was_in_the_way(
     assert near.warning[0] == pytest.approx(meets, abs=0.11)
     assert near.gap == pytest.approx([0, 60 - LENGTH - 30, 3.5 - 1.9, 15 - LENGTH], abs=0.01)
     assert near.behind.tolist() == [False, False, False, True]
+
+
+def test_nobody_comes_near_a_target_that_has_left_and_somebody_does_where_it_stands():
+    scene = queue()
+    line = joined(scene.map, 1)
+    trials = Trials(idm.Plugin(IDM), [scene], [scene.log])
+    ended = DrivingOutcome.none(101)
+    driven = scene.log[:1].copy()
+    driven.valid[:, 30:] = False  # at 50 m
+    later = stack([drive(line, 10, 4, 101)])  # passes there after 10 s
+    gaps = []
+    for left in (True, False):
+        ended = replace(ended, motion=driven, left_map=np.array([left]))
+        found = approaches(trials, ended.to_the_end, np.zeros(1, np.int64), np.ones(1, np.int64), later)
+        gaps.append(float(found.gap[0]))
+    assert gaps[0] == pytest.approx(10 + 6 * 1.1 - LENGTH, abs=0.01)  # just behind it, when the first second is over
+    assert gaps[1] == 0
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
 from tests.models import candidate_settings, planner
-from tests.scenes import busy_crossing
+from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
 
 NONE, SOME = Perturbation(5, 1e-9, 1e-9), Perturbation(5, 2.0, 0.01)
 
@@ -35,6 +35,18 @@ def test_a_vehicle_has_as_many_as_it_has_goals_where_nothing_is_changed(arena):
     assert len(pool)
     assert TARGET not in pool.vehicle
     assert np.isnan(pool.odds).all()
+
+
+def test_who_drives_out_of_the_map_is_gone_there_and_allowed():
+    road = straight_road(900, 2, whole=True)
+    log = stack([drive(joined(road, 0), 760, 10, 101), drive(joined(road, 1), 800, 9, 101)])
+    choices = choose([scenario(road, log)], Random(), candidate_settings(), 1.0)
+    arena = Arena(idm.Plugin(IDM), Ground(choices, np.zeros(1, np.int64), [log], None, LIMITS), Bounds("legal", 4, 20), 7)
+    pool = exchanged_motions(arena, SOME, 40, np.array([0]))
+    gone = ~pool.motion.valid[:, -1]
+    assert gone.any()
+    assert not gone.all()
+    assert (pool.motion.position[..., 0][pool.motion.valid] < 900 - 2.25).all()  # its front, at a slight angle
 
 
 def test_tracks_differ_are_possible_and_the_same_in_scenes_of_one_scenario(arena):

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.feather
 import pytest
 
-from drivegen.av2.sensor import EGO_CENTRE, EGO_SIZE, fitted_velocity, read_sensor_log
+from drivegen.av2.sensor import EGO_CENTRE, EGO_SIZE, count_steps, fitted_velocity, read_sensor_log
 from drivegen.core import recorded_log, safe_parquet
 from drivegen.core.errors import UnusableInput
 from drivegen.core.safe_parquet import read_feather
@@ -28,6 +28,16 @@ def test_boxes_are_turned_and_moved_by_the_pose_of_their_frame(tmp_path: Path) -
     np.testing.assert_allclose(ego[0], 100 + EGO_CENTRE * along, atol=1e-3)
     np.testing.assert_allclose(car - ego, np.tile((10 - EGO_CENTRE) * along, (40, 1)), atol=1e-3)
     np.testing.assert_allclose(bus, np.tile(bus[0], (40, 1)), atol=1e-3)
+
+
+def test_steps_are_counted_as_they_are_read_where_frames_are_missing(tmp_path: Path) -> None:
+    sensor_log(tmp_path / "log", 40)
+    file = next((tmp_path / "log").glob("annotations*.feather"))
+    table = pyarrow.feather.read_table(file)
+    times = np.unique(table["timestamp_ns"].to_numpy())
+    kept = ~np.isin(table["timestamp_ns"].to_numpy(), times[10:20])
+    pyarrow.feather.write_feather(table.filter(pa.array(kept)), file, compression="uncompressed")
+    assert count_steps(tmp_path / "log") == read_sensor_log(tmp_path / "log").motion.steps == 40
 
 
 def test_velocities_are_those_of_the_motion(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder, read_table
@@ -20,6 +21,7 @@ from drivegen.core import safe_parquet
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import FARTHEST, NO_TRACK
 from drivegen.core.scenario import Scenario, VehicleKind
+from drivegen.core.signals import Signals, SignalState
 from tests.refusals import assert_one_sentence
 from tests.scenes import any_scenario, busy_crossing
 
@@ -59,7 +61,7 @@ def test_the_file_has_the_official_columns_and_our_sizes(tmp_path: Path) -> None
     assert scene.log is not None
     folder = export_scenario(scene, scene.log, tmp_path, "crossing-0")
     written = pq.read_table(folder / "scenario_crossing-0.parquet")
-    assert written.column_names == [*FIRST, *STATE, *LAST, "length", "width", "height"]
+    assert written.column_names == [*FIRST, *STATE, *LAST, "length", "width", "height", "truck"]
     assert written.schema.equals(COLUMNS)
     assert written["timestep"].to_pylist()[:101] == list(range(101))
     assert written["num_timestamps"][0].as_py() == 101
@@ -223,10 +225,36 @@ def test_a_list_of_many_elements_is_refused_before_it_is_read(tmp_path: Path, mo
     assert caught.value.reason == "too-large"
 
 
-def test_a_size_that_nothing_has_is_none() -> None:
+def test_a_size_that_nothing_has_is_none_and_heights_may_be_unknown() -> None:
     whole = table(busy_crossing(4))
-    bad = whole.set_column(whole.column_names.index("length"), "length", pa.array([1e6] * whole.num_rows))
-    assert np.isnan(read_log(bad, busy_crossing(4).map, "test", "x").size).all()
+
+    def sizes(name: str, value: float) -> NDArray[np.float32]:
+        column = pa.array([value] * whole.num_rows)
+        return read_log(whole.set_column(whole.column_names.index(name), name, column), busy_crossing(4).map, "test", "x").size
+
+    assert np.isnan(sizes("length", 1e6)[:, :2]).all()
+    for flat in (sizes("height", np.nan), read_log(whole.drop_columns("height"), busy_crossing(4).map, "test", "x").size):
+        assert np.isnan(flat[:, 2]).all()
+        np.testing.assert_array_equal(flat[:, :2], read_log(whole, busy_crossing(4).map, "test", "x").size[:, :2])
+
+
+def test_a_short_truck_and_a_long_car_stay_what_they_are_and_without_our_column_length_tells() -> None:
+    scene = busy_crossing()
+    kind, size = scene.vehicles.kind.copy(), scene.vehicles.size.copy()
+    kind[1], size[1, 0], size[2, 0] = VehicleKind.TRUCK, 5.2, 7.5
+    written = table(replace(scene, vehicles=replace(scene.vehicles, kind=kind, size=size)))
+    for there, expected in ((written, ("CAR", "TRUCK", "CAR")), (written.drop_columns("truck"), ("CAR", "CAR", "TRUCK"))):
+        kinds = read_log(there, scene.map, "test", "x").kind[:3]
+        assert tuple(VehicleKind(k).name for k in kinds.tolist()) == expected
+
+
+def test_a_scenario_without_signals_over_one_with_them_has_none(tmp_path: Path) -> None:
+    lit, dark = busy_crossing(11), any_scenario(3)
+    lit = replace(lit, signals=Signals(np.array([8], np.int32), np.full((1, 11), SignalState.RED, np.uint8)))
+    for scene, count in ((lit, 1), (replace(dark, signals=Signals.none(dark.steps)), 0)):
+        assert scene.log is not None
+        folder = export_scenario(scene, scene.log, tmp_path, "again")
+        assert len(read_folder(folder, "test").signals) == count
 
 
 def test_an_id_that_cannot_name_a_folder_is_refused(tmp_path: Path) -> None:

@@ -58,6 +58,8 @@ def test_a_driver_of_a_file_is_tested_and_its_kinds_are_written(project, monkeyp
         "standing", "standing.xosc", "standing.xodr", "picture.png", "recording.rrd", "sentence.txt"
     }  # fmt: skip
     log = read_folder(written / "standing", "again")
+    assert {case["tracks"]["partner"] for case in cases} <= set(log.track_id.tolist())
+    assert {case["tracks"]["attacker"] for case in cases} == {None}  # in logged traffic
     place = parse((written / "standing.xosc").read_bytes(), "xosc", root="OpenSCENARIO").find(".//ManeuverGroup[@name='Ego']")
     assert len(list(place.iter("Vertex"))) == int(cases[0]["seconds"] * 10 + 1.5)
     assert np.isfinite(log.motion.position[log.motion.valid]).all()

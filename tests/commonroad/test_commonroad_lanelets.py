@@ -108,6 +108,8 @@ def test_what_lies_beside_the_lanes_is_road_and_no_lane(kind: str) -> None:
         ("bus taxi", [LaneKind.VEHICLE, LaneKind.BUS], 2),
         ("pedestrian bicycle", [LaneKind.VEHICLE, LaneKind.BIKE], 1),
         ("pedestrian", [LaneKind.VEHICLE], 1),
+        ("train", [LaneKind.VEHICLE], 2),
+        ("train vehicle", [LaneKind.VEHICLE] * 2, 2),
     ],
 )
 @pytest.mark.parametrize("word", ["userOneWay", "userBidirectional"])

@@ -11,7 +11,7 @@ from drivegen.corner_cases.failures import replayed_case
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.reactive import Reaction
 from tests.corner_cases.handmade import LINE, NEXT, ROAD, Blind, collision
-from tests.scenes import drive, scenario, stack, straight_road
+from tests.scenes import drive, joined, scenario, stack, straight_road
 
 LAW = Reaction(delay=0.75, braking=6.0, headway=0.6, min_gap=1.0, acceleration=1.5, comfort=3.0)
 ONE_LANE = straight_road(600, lanes=1)
@@ -48,6 +48,16 @@ def test_who_stands_in_the_only_lane_can_be_avoided_as_long_as_the_way_to_stop_i
         assert begin * 1.0 + way <= gap < (begin + 1) * 1.0 + way
     assert found.cue == pytest.approx(3.0, abs=0.11)
     assert found.verdict == Avoidable.WARNED
+
+
+@pytest.mark.parametrize(("length", "whole"), [(1200, True), (900, False), (900, True)])
+def test_who_evades_and_then_leaves_the_map_is_not_off_the_road(length, whole):
+    road, edge = straight_road(length, 2, whole=whole), np.array([[0.0, -1.0], [900.0, -1.0]])
+    log = stack([drive(joined(road, 0), 700, 25, 101), drive(edge, 885, 0, 101)])
+    log.valid[1, :60] = False  # seen 1.3 s before the collision, 15 m before the end of the road
+    (found,) = judge([collision(log, roads=road)])
+    assert found.verdict == Avoidable.SUDDEN
+    assert found.latest == pytest.approx(0.7)
 
 
 def test_a_collision_that_only_its_first_step_avoids_is_sudden():

@@ -13,9 +13,10 @@ from drivegen.drivers import idm
 from drivegen.drivers.mutants.table import Mutant
 from drivegen.metrics.paired import Finding, Paired
 from drivegen.rollout.shipping import sample_id
+from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.observation import Action
 from tests.checking import IDM
-from tests.scenes import drive, scenario, stack, straight_road
+from tests.scenes import drive, joined, scenario, stack, straight_road
 
 ROAD = straight_road(600)
 LINE = ROAD.centreline[0].astype(np.float64)
@@ -106,6 +107,18 @@ def test_who_hits_nobody_because_it_leaves_the_road_is_said_to():
     assert f"; evades is off the road for {found.off_road[1]:.1%} of its time, idm for 0.0%" in found.sentence("idm", "evades")
     assert found.record("idm", "evades")["off_road"] == {"old": 0.0, "new": found.off_road[1]}
     assert "off the road" not in gate(BLIND, SOUND, [parked("run")], SETTINGS, 7).sentence("a", "b")
+
+
+def test_a_short_run_off_the_road_is_a_small_share_of_all_time():
+    road = straight_road(600, 1)
+    line, beside = joined(road, 0), np.array([[0.0, -3.0], [600.0, -3.0]])
+    free = stack([drive(line, 20, 10, 101), drive(line, 400, 10, 101)])
+    short = stack([drive(beside, 20, 10, 101), drive(beside, 33, 0, 101)])  # runs into it after a second
+    scenes = [(scenario(road, free, "a-0"), 0, free), (scenario(road, short, "b-0"), 0, short)]
+    found = gate(BLIND, BLIND, scenes, SETTINGS, 7)
+    steps = Batch().run(BLIND, [scene for scene, _, _ in scenes], [free, short]).motion.valid.sum(axis=1)
+    assert steps[0] == 101 > 8 * steps[1]
+    assert found.off_road[0] == pytest.approx(steps[1] / steps.sum())
 
 
 def test_without_scenes_there_is_nothing_to_compare():

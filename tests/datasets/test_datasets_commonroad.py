@@ -96,9 +96,9 @@ def test_a_long_recording_is_several_windows(tmp_path: Path) -> None:
     raw = xml([*ROAD, car(1, 0, 0, speed=2.0, steps=250), car(2, 30, 0, speed=2.0, steps=100)])
     (tmp_path / "val" / "long.xml").write_bytes(raw)
     data = commonroad.Plugin(tmp_path)
-    assert data.scenes("val") == ["long:000", "long:001"]
-    first, second = (data.read("val", scene) for scene in data.scenes("val"))
-    assert (first.motion.steps, second.motion.steps) == (110, 110)
+    assert data.scenes("val") == ["long:000", "long:001", "long:002"]
+    first, second, rest = (data.read("val", scene) for scene in data.scenes("val"))
+    assert (first.motion.steps, second.motion.steps, rest.motion.steps) == (110, 110, 30)
     assert second.track_id.tolist() == ["1"]
     np.testing.assert_allclose(second.motion.position[0, 0] + second.map.origin, (22, 0), atol=1e-3)
     assert second.scenario_id == "long-001"

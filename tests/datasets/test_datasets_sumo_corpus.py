@@ -114,7 +114,7 @@ def test_files_have_the_official_columns_and_one_row_group_a_scenario(corpus):
     assert [file.name for file in files] == ["tracks-cross-000.parquet", "tracks-cross-001.parquet"]
     assert pq.ParquetFile(files[0]).num_row_groups == 3
     assert pq.read_schema(files[0]).names[:4] == ["observed", "track_id", "object_type", "object_category"]
-    assert len(pq.read_schema(files[0])) == 19
+    assert len(pq.read_schema(files[0])) == 20
 
 
 def test_two_workers_write_the_same_bytes(corpus, tmp_path):

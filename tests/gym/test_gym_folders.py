@@ -32,8 +32,9 @@ def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
     scene = busy_crossing(110, "recorded")
     for name in ("one", "two"):
         export_scenario(scene, scene.log, folder / "argoverse2", name)
-    assert [s.steps for s, _ in read_traffic(folder / "argoverse2")] == [101, 101]
-    assert len(read_traffic(folder / "argoverse2" / "one")) == 1
+    assert [s.steps for s, _ in read_traffic(folder / "argoverse2")] == [110, 110]
+    [(one, _)] = read_traffic(folder / "argoverse2" / "one")
+    assert len(one.vehicles) == len(scene.vehicles)
     broken = folder / "argoverse2" / "three"
     shutil.copytree(folder / "argoverse2" / "one", broken)
     next(broken.glob("*.parquet")).write_bytes(b"PAR1")

@@ -53,6 +53,19 @@ def env():
     return DriveVecEnv([(scene, scene.log)], 4, SETTINGS)
 
 
+def test_a_policy_whose_actions_are_squashed_is_a_driver_whose_actions_are(env, tmp_path):
+    how = {"net_arch": [16, 8], "squash_output": True}
+    model = PPO("MlpPolicy", env, seed=0, device="cpu", use_sde=True, policy_kwargs=how, n_steps=8, batch_size=16)
+    with torch.no_grad():
+        model.policy.action_net.weight *= 100.0  # far from 0, where squashing is felt
+    save_policy(model, tmp_path, "mine")
+    env.seed(0)
+    wanted, _ = model.predict(env.reset(), deterministic=True)
+    acceleration = Mine(Weights(str(tmp_path), sees_rules=False)).act(env.environment.world.observe()).acceleration.numpy()
+    np.testing.assert_allclose(acceleration, np.where(wanted[:, 0] > 0, 3 * wanted[:, 0], 8 * wanted[:, 0]), atol=1e-4)
+    assert np.abs(wanted[:, 0]).max() > 0.3
+
+
 @pytest.mark.parametrize("algorithm", [PPO, SAC])
 @pytest.mark.parametrize("activation", [nn.Tanh, nn.ReLU])
 def test_the_driver_decides_as_the_policy_did(env, tmp_path, algorithm, activation):

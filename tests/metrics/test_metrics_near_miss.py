@@ -24,6 +24,13 @@ def test_who_closes_in_within_a_second_and_a_half_misses_narrowly():
     assert not follows(10.0, 20.0, lateral=3.5)  # in the other lane
 
 
+def test_traffic_may_be_shorter_than_its_scenario():
+    log = stack([drive(LINE, 10, 10, 101), drive(LINE, 34.6, 5, 101)])
+    scene = scenario(ROAD, log)
+    assert near_misses(log[:1].until(41), [scene], [log.until(41)])[0]
+    assert not near_misses(log[:1].until(21), [scene], [log.until(21)])[0]
+
+
 def test_the_first_second_and_what_comes_after_the_end_do_not_count():
     log = stack([drive(LINE, 10, 10, 31), drive(LINE, 34.6, 5, 31)])
     ended = log[:1]

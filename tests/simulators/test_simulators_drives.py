@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.idm import Plugin as Idm
+from drivegen.simulators.batch import Plugin as Batch
 from drivegen.simulators.shared.drives import Drives
 from drivegen.world.outcome import CollisionKind, DrivingOutcome
 from drivegen.world.paths import TargetPaths
@@ -62,6 +63,19 @@ def test_runs_of_shards_of_different_lengths_are_joined() -> None:
     shorter = Drives.of(Replay(), Idm(IDM), [(scenario(ROAD, motion, "b"), motion)])
     both = Drives.joined([driven("a", 10), shorter])
     np.testing.assert_allclose(both.per_scenario()["distance"], [50, 30], rtol=1e-4)
+
+
+def test_a_run_of_one_step_has_no_comfort_and_leaves_that_of_the_others() -> None:
+    free = stack([drive(LINE, 20, 10, 51), drive(LINE, 200, 10, 51)])
+    inside = stack([drive(LINE, 20, 10, 51), drive(LINE, 21, 10, 51)])
+    scene = scenario(ROAD, free, "a")
+    both = Drives.of(Batch(), Idm(IDM), [(scene, free), (scene, inside)])
+    alone = Drives.of(Batch(), Idm(IDM), [(scene, free)])
+    assert np.isnan(both.per_run()[2]["absolute_acceleration"][1])
+    for name in ("absolute_acceleration", "hardest_braking"):
+        assert both.per_scenario()[name] == alone.per_scenario()[name]
+    assert both.per_scenario()["collision"] == 0.5
+    assert np.isnan(Drives.of(Batch(), Idm(IDM), [(scene, inside)]).per_scenario()["absolute_acceleration"]).all()
 
 
 def test_runs_are_averaged_over_their_own_scenario_also_after_joining() -> None:

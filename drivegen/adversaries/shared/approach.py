@@ -49,22 +49,21 @@ def approaches(
     motion: Trajectories,
     run: NDArray[np.integer] | None = None,
 ) -> Approaches:
-    """Of tracks (E, T) of the vehicles (E,) of scenes (E,) to targets as they were `driven` (R, T).
+    """Of tracks (E, T) of the vehicles (E,) of scenes (E,) to targets as they were `driven` (R, T), `DrivingOutcome.to_the_end`.
 
-    `run` (E,) says to which of these each track comes near; where it is not given, `driven` are those of all scenes. A target
-    whose run has ended stands from then on.
+    `run` (E,) says to which of these each track comes near; where it is not given, `driven` are those of all scenes. Nobody
+    comes near a target that is gone.
     """
     run, count = scene if run is None else run, len(scene)
     gap, warning = np.full(count, np.inf, np.float32), np.zeros(count, np.float32)
     behind, contact = np.zeros(count, np.bool_), np.full(count, -1, np.int16)
-    standing = driven.standing_after_end()
     for s in np.unique(scene).tolist():
         mine, line, sizes = np.flatnonzero(scene == s), trials.path(s), trials.scenarios[s].vehicles.size[:, :2]
         runs, own_run = np.unique(run[mine], return_inverse=True)
-        target, target_size = standing[runs], np.repeat(sizes[TARGET : TARGET + 1], len(runs), axis=0)
+        target, target_size = driven[runs], np.repeat(sizes[TARGET : TARGET + 1], len(runs), axis=0)
         own = _frame(line, progress(target, target.steps).T, target, target_size, True)[:, 0, own_run]
         found = _frame(line, own, motion[mine], sizes[vehicle[mine]], False)
-        there = np.ascontiguousarray(motion.valid[mine].T)
+        there = np.ascontiguousarray((motion.valid[mine] & driven.valid[run[mine], : motion.steps]).T)
         gap[mine], warning[mine], behind[mine], contact[mine] = _nearest(np.ascontiguousarray(own), sizes[TARGET], found, there)
     return Approaches(gap, warning, behind, contact)
 

@@ -17,6 +17,7 @@ from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.planners.base import Planner
+from drivegen.roads.leaving import STAYS, Exits, left_from
 from drivegen.rollout.scene import Choices
 from drivegen.simulators.shared.drives import numbered
 from drivegen.world.outcome import CollisionKind, DrivingOutcome
@@ -114,6 +115,14 @@ class Arena:
         odds = np.full(len(variants), np.nan, np.float32) if odds is None else odds
         self._runs.append((variants, odds, query, outcome))
         return outcome
+
+    def on_the_map(self, scene: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories) -> Trajectories:
+        """Tracks (E, T) of vehicles (E,) of scenes (E,), gone from where they leave the map, as all motion is."""
+        step = np.full(len(scene), STAYS, np.int16)
+        for s in np.unique(scene).tolist():
+            mine, scenario = np.flatnonzero(scene == s), self.trials.scenarios[s]
+            step[mine] = Exits.of(scenario.map).crossings(motion[mine], scenario.vehicles.size[vehicle[mine], 0])
+        return left_from(motion, step)
 
     def allows(self, scene: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories) -> NDArray[np.bool_]:
         """(E,) whether a track (E, T) of each vehicle (E,) may be exchanged in its scene (E,), the others staying as they are."""

@@ -47,6 +47,7 @@ def _drawn(arena: Arena, perturbation: Perturbation, draws: int, scene: int) -> 
     parts = [perturbation.draw(traffic[n], count, random) for n, count, random in zip(throughout, counts, streams, strict=True)]
     motion = Trajectories.joined([Trajectories.empty(0, traffic.steps), *parts]).padded(arena.trials.steps)
     where, vehicle = np.full(sum(counts), scene), np.repeat(np.array(throughout, np.int64), counts)
+    motion = arena.on_the_map(where, vehicle, motion)
     kept = np.flatnonzero(arena.allows(where, vehicle, motion))
     no_goal, no_odds = np.full(len(kept), -1), np.full(len(kept), np.nan, np.float32)
     return Candidates(where[kept], vehicle[kept], no_goal, no_odds, motion[kept])

@@ -64,12 +64,18 @@ class Drives:
     def per_scenario(self) -> dict[str, NDArray[np.float64]]:
         """Means over each scenario's runs (C,) by metric: shares of collisions, `RunNumbers`, `spread_over_samples` [m].
 
-        A run without a collision counts with an `impact_speed` of 0.
+        A run without a collision counts with an `impact_speed` of 0; what a run of one step has no number for is of the others.
         """
-        count = np.bincount(self.scene)
         values = self._numbers() | kind_shares(self.outcome)
-        means = {name: np.bincount(self.scene, value.astype(np.float64)) / count for name, value in values.items()}
+        means = {name: self._mean(value.astype(np.float64)) for name, value in values.items()}
         return means | {"spread_over_samples": spread_over_samples(self.outcome.motion, self.scene)}
+
+    def _mean(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(C,) of each scenario's runs (S,) that have a number; NaN where none has."""
+        known, count = np.isfinite(value), len(self.scenarios)
+        runs = np.bincount(self.scene[known], minlength=count)
+        total = np.bincount(self.scene[known], value[known], minlength=count)
+        return np.asarray(np.divide(total, runs, out=np.full(count, np.nan), where=runs > 0))
 
     def per_run(self) -> tuple[list[str], NDArray[np.int64], dict[str, NDArray[np.float64]]]:
         """The scenario of each run (S,), its number there, and what the means are of, by metric; and `impacts`."""
