@@ -51,13 +51,13 @@ AHEAD = 8
 """Tasks of each process that may be begun before the result of the first of them is taken."""
 
 
-def enter(word: str, *words: str) -> None:
+def enter(word: str, *argv: str) -> None:
     """Run stages/WORD.py with its section of params.yaml and these paths; exit 0, 1 or 2 as `drivegen` does.
 
     What it took goes to the cost table, beside the counts that `main` may return (such as {"scenarios": 120}); the last
     path names the item (method, driver, ...).
     """
-    paths = [Path(word) for word in words]
+    paths = [Path(place) for place in argv]
     began = time.perf_counter()
     try:
         stage = _stage(word)

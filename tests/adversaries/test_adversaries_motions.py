@@ -3,16 +3,21 @@
 import numpy as np
 import pytest
 
+from drivegen.adversaries.advsim import Settings as AdvSim
+from drivegen.adversaries.advsim import _Search
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.ground import sampled
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET
+from drivegen.core.settings import build, read_section
 from drivegen.drivers import idm
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
-from tests.models import candidate_settings, planner
-from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
+from tests.models import ROOT, candidate_settings, planner
+from tests.scenes import busy_crossing, drive, joined, noisy_samples, scenario, stack, straight_road
 
 NONE, SOME = Perturbation(5, 1e-9, 1e-9), Perturbation(5, 2.0, 0.01)
 
@@ -35,6 +40,24 @@ def test_a_vehicle_has_as_many_as_it_has_goals_where_nothing_is_changed(arena):
     assert len(pool)
     assert TARGET not in pool.vehicle
     assert np.isnan(pool.odds).all()
+
+
+def test_traffic_of_other_scenarios_is_no_ground(arena):
+    choices, other = arena.ground.choices, busy_crossing(101, "other-0")
+    traffic = noisy_samples(choices[0].scenario, 2)
+    assert len(sampled(choices, [traffic], 2, arena.ground.planner, LIMITS).traffic) == 2
+    with pytest.raises(UnusableInput, match="the recorded traffic belongs to other scenarios"):
+        sampled(choices, [noisy_samples(other, 2)], 2, arena.ground.planner, LIMITS)
+
+
+def test_a_round_in_which_nothing_is_allowed_forgets_no_elite(arena):
+    settings = build(AdvSim, read_section("attack.adversaries", ROOT / "params.yaml")["advsim"], "advsim")
+    search = _Search(arena, 0, 1, settings)
+    search.asked = search.bound * np.linspace(0.5, 0.51, 8)[:, None]
+    search.tell(np.arange(8.0))
+    search.asked = search.asked[:0]  # of the next round nothing was allowed
+    search.tell(np.zeros(0))
+    np.testing.assert_allclose(search._draw(200).mean(0) / search.bound, 0.5, atol=0.05)
 
 
 def test_who_drives_out_of_the_map_is_gone_there_and_allowed():
