@@ -1,5 +1,6 @@
 """Encounters, knowledge and pressure by hand cases and properties."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -178,7 +179,9 @@ def test_a_round_teaches_what_the_driver_might_have_prevented_and_of_whom():
 def test_where_a_run_ended_the_target_is_left_standing_unless_it_left_the_map():
     run = drive((0, 0), 0.0, 10.0)[np.newaxis][[0, 0]]
     run.valid[:, 41:] = False
-    stays = _to_the_end(SimpleNamespace(target=run, outcome=SimpleNamespace(left_map=np.array([False, True]))))
+    longest = run.padded(121)  # one that was driven beside them is longer
+    outcome = replace(DrivingOutcome.none(121), motion=longest, left_map=np.array([False, True]))
+    stays = _to_the_end(SimpleNamespace(target=run, outcome=outcome))
     assert stays.valid[0].all()
     np.testing.assert_array_equal(stays.valid[1], run.valid[1])
     np.testing.assert_array_equal(stays.position[0, :41], run.position[0, :41])

@@ -215,7 +215,7 @@ def test_a_killed_run_is_taken_up_and_ends_in_the_same_bytes(world: Path) -> Non
     written = {**vars(params(world, shard_size=1)), "selection": vars(SELECTION)}
     written["train_on"] = list(written["train_on"])
     (world / "params.yaml").write_text(yaml.safe_dump({"ingest": written}))
-    command = [sys.executable, "-m", "stages.ingest", "corpus", "out", "ingest.json"]
+    command = [sys.executable, "-m", "stages._door", "ingest", "corpus", "out", "ingest.json"]
     environment = {**os.environ, "PYTHONPATH": str(Path(ingest.__file__).parents[1])}
     process = subprocess.Popen(command, cwd=world, env=environment, stdout=subprocess.DEVNULL)
     while not list((world / "out").rglob("notes/train/shard-0000[3-9].json")) and process.poll() is None:
