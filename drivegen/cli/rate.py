@@ -17,7 +17,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, read_section
 from drivegen.core.wording import many
-from drivegen.exposure.pool import Drawn, Pool, draw_scenes, with_enough
+from drivegen.exposure.pool import Drawn, Pool, draw_scenes, driven_seconds, with_enough
 from drivegen.exposure.rates import EDGES, Estimate, estimate
 from drivegen.gym.folders import read_traffic
 from drivegen.store.files import expect_file_fits, write_json
@@ -57,10 +57,11 @@ def command(
             f"{scenarios}: in none of {len(left_out)} scenes are {settings.draws} of {settings.tries} draws legal"
         )
     pool = Pool(scenes, tested, settings.reaction)
-    result = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
+    first = pool.first(tested)
+    result = estimate(pool.near(first), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
     console = plain()
     console.print(_table(result))
-    seconds = pool.seconds(tested)
+    seconds = float(driven_seconds(first).mean())
     console.print(_sentence(tested.name, result, seconds, len(scenes), len(left_out)))
     if out:
         about = {"driver": driver, "folder": str(scenarios), "scenes": len(scenes), "left_out": left_out, "draws": settings.draws}

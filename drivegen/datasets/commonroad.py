@@ -25,6 +25,9 @@ from drivegen.store.files import content_of
 WINDOW = 110
 """Steps of a scene at most, as in Argoverse 2; a longer recording is several windows, one after the other."""
 
+SHORTEST = 71
+"""What remains of a longer recording is a window where it has so many steps, the 7 s that are taken of every recording."""
+
 
 class Plugin:
     """The data set below `root`; see `base.Dataset`."""
@@ -72,7 +75,7 @@ def _read(path: Path) -> tuple[RecordedLog, list[tuple[int, int]]]:
     """A recording, and first step and target of each of its scenes."""
     log = read_recording(content_of(path), str(path), Plugin.description)
     scenes = []
-    for first in range(0, log.motion.steps, WINDOW):  # the last is short: whoever needs more rejects it, and it is counted
+    for first in range(0, max(1, log.motion.steps - SHORTEST + 1), WINDOW):
         scenes += [(first, target) for target in spread_targets(log.kind, log.motion.between(first, first + WINDOW))]
     return log, scenes
 

@@ -91,13 +91,12 @@ class Pool:
         some = np.array_split(picks, len(picks) // CHUNK + 1)  # traffic of thousands of draws at once takes gigabytes
         return np.concatenate([self.drive([driver], part)[0].counted for part in some])
 
-    def seconds(self, driver: Driver) -> float:
-        """How long [s] the driver drives in a scene, in the mean of one run in each: until it collides, leaves, or the end."""
-        return float(_driven_seconds(self._first(driver)).mean())
+    def first(self, driver: Driver) -> DrivingOutcome:
+        """(S,) what becomes of a driver in the first draw of each scene."""
+        return self.drive([driver], np.arange(len(self.scenes)) * self._draws)[0]
 
-    def near(self, driver: Driver) -> NDArray[np.float32]:
-        """(N,) [m] how near the others come in each draw; takes a run of the driver in each scene."""
-        first = self._first(driver)
+    def near(self, first: DrivingOutcome) -> NDArray[np.float32]:
+        """(N,) [m] how near the others come in each draw to a driver, by its `first` runs (S,)."""
         owner = [np.repeat(scene.law.vehicle, np.diff(scene.law.start)) for scene in self.scenes]
         of = np.repeat(np.arange(len(self.scenes)), list(map(len, owner)))
         met = approaches(self._trials, first.to_the_end, of, np.concatenate(owner), Trajectories.joined(self._motion))
@@ -105,9 +104,6 @@ class Pool:
         ends = np.cumsum([0, *map(len, owner)])
         of_scenes = zip(self.scenes, pairwise(ends), strict=True)
         return np.concatenate([cost[low:high][scene.rows].min(axis=1, initial=np.inf) for scene, (low, high) in of_scenes])
-
-    def _first(self, driver: Driver) -> DrivingOutcome:
-        return self.drive([driver], np.arange(len(self.scenes)) * self._draws)[0]
 
     def _variants(self, picks: NDArray[np.integer]) -> Variants:
         nobody, none = np.zeros(len(picks), np.int64), np.zeros(0, np.int64)
@@ -121,7 +117,8 @@ class Pool:
         return Variants(of, nobody, np.concatenate(row), np.concatenate(vehicle), Trajectories.joined(motion))
 
 
-def _driven_seconds(outcome: DrivingOutcome) -> NDArray[np.float64]:
+def driven_seconds(outcome: DrivingOutcome) -> NDArray[np.float64]:
+    """(R,) [s] how long each run lasts: until its target collides, leaves, or the end."""
     return np.asarray((outcome.motion.valid.sum(axis=1) - 1) * DT)
 
 
@@ -151,8 +148,8 @@ class Exposure:
         pool, count = Pool(scenes, drivers[0], reaction), len(scenes)
         parts = [pool.drive(drivers, np.arange(draws) + s * draws) for s in range(count)]
         failed = np.stack([np.stack([outcome.counted for outcome in part], axis=1) for part in parts])
-        near = np.stack([pool.near(driver).reshape(count, draws) for driver in drivers], axis=2)
-        seconds = [float(np.mean([_driven_seconds(outcome) for outcome in part])) for part in parts]
+        near = np.stack([pool.near(pool.first(driver)).reshape(count, draws) for driver in drivers], axis=2)
+        seconds = [float(np.mean([driven_seconds(outcome) for outcome in part])) for part in parts]
         return cls([scene.choice.scenario.scenario_id for scene in scenes], seconds, failed, near, left_out)
 
     @classmethod

@@ -96,12 +96,22 @@ def test_a_long_recording_is_several_windows(tmp_path: Path) -> None:
     raw = xml([*ROAD, car(1, 0, 0, speed=2.0, steps=250), car(2, 30, 0, speed=2.0, steps=100)])
     (tmp_path / "val" / "long.xml").write_bytes(raw)
     data = commonroad.Plugin(tmp_path)
-    assert data.scenes("val") == ["long:000", "long:001", "long:002"]
-    first, second, rest = (data.read("val", scene) for scene in data.scenes("val"))
-    assert (first.motion.steps, second.motion.steps, rest.motion.steps) == (110, 110, 30)
+    assert data.scenes("val") == ["long:000", "long:001"]
+    first, second = (data.read("val", scene) for scene in data.scenes("val"))
+    assert (first.motion.steps, second.motion.steps) == (110, 110)
     assert second.track_id.tolist() == ["1"]
     np.testing.assert_allclose(second.motion.position[0, 0] + second.map.origin, (22, 0), atol=1e-3)
     assert second.scenario_id == "long-001"
+
+
+@pytest.mark.parametrize(("steps", "windows"), [(30, [30]), (150, [110]), (181, [110, 71]), (219, [110, 109]), (220, [110, 110])])
+def test_a_rest_is_a_window_where_it_is_as_long_as_what_is_taken_of_every_recording(
+    tmp_path: Path, steps: int, windows: list[int]
+) -> None:
+    (tmp_path / "val").mkdir()
+    (tmp_path / "val" / "long.xml").write_bytes(xml([*ROAD, car(1, 0, 0, speed=2.0, steps=steps)]))
+    data = commonroad.Plugin(tmp_path)
+    assert [data.read("val", scene).motion.steps for scene in data.scenes("val")] == windows
 
 
 @pytest.mark.parametrize("scene", ["scene", "a:b", "a:0", "../val/long:000", "long:7", ":0"])

@@ -53,7 +53,7 @@ def test_a_draw_picked_alone_ends_as_it_does_among_all(drawn):
     picks = rng(7, "picks").permutation(len(pool))[: len(pool) // 2]
     for m, driver in enumerate(DRIVERS):
         np.testing.assert_array_equal(pool.failed(driver, picks), whole.failed[:, :, m].ravel()[picks])
-        np.testing.assert_array_equal(pool.near(driver), whole.near[:, :, m].ravel())
+        np.testing.assert_array_equal(pool.near(pool.first(driver)), whole.near[:, :, m].ravel())
     assert len(pool.failed(DRIVERS[0], picks[:0])) == 0
 
 
@@ -65,7 +65,8 @@ def test_who_fails_is_come_near_to_and_where_nobody_is_there_nobody_is_near(draw
         for one in drawn
     ]
     alone = [replace(one, law=replace(one.law, motion=one.law.motion[:0])) for one in alone]
-    assert np.isinf(Pool(alone, DRIVERS[0], REACTION).near(DRIVERS[0])).all()
+    pool = Pool(alone, DRIVERS[0], REACTION)
+    assert np.isinf(pool.near(pool.first(DRIVERS[0]))).all()
 
 
 def test_scenes_with_too_few_draws_are_named(drawn):
