@@ -80,11 +80,11 @@ def read(root: Element, lanes: list[Element], links: NDArray[np.int32], index: d
     shown: dict[int, Element] = {}
     for i, lane in enumerate(lanes):
         behind = links[links[:, 0] == i, 1].tolist()
-        for name in references(lane, "trafficSignRef", place):
+        for name in _referred(lane, "trafficSignRef", place):
             guard, speed = _sign(signs.get(name), place)
             control[behind] = np.maximum(control[behind], guard)
             limit[i] = np.fmin(limit[i], speed)
-        for name in references(lane, "trafficLightRef", place):
+        for name in _referred(lane, "trafficLightRef", place):
             if name in lights:
                 meant = [j for j in behind if _means(lights[name], turns.get(j))]
                 control[meant] = LaneControl.SIGNAL
@@ -100,6 +100,11 @@ def read(root: Element, lanes: list[Element], links: NDArray[np.int32], index: d
         np.array([j for _, j in lines], np.int32),
         Lights(np.array(sorted(shown), np.int32), tuple(c for c, _ in cycles), tuple(o for _, o in cycles)),
     )
+
+
+def _referred(lane: Element, word: str, place: str) -> list[int]:
+    """The ids that a lanelet or its stop line refers to: files may name a sign in both, or in either."""
+    return [*references(lane, word, place), *references(lane, f"stopLine/{word}", place)]
 
 
 def _sign(sign: Element | None, place: str) -> tuple[LaneControl, float]:

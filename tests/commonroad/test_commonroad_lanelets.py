@@ -185,6 +185,14 @@ def test_signs_stop_and_limit() -> None:
     np.testing.assert_allclose(log.map.stop_lines[0] + log.map.origin, [(50, -2), (50, 2)])  # at the lane's end
 
 
+def test_what_the_stop_line_alone_refers_to_holds_too() -> None:
+    line = STOP_LINE.replace("</stopLine>", '<trafficSignRef ref="80"/><trafficLightRef ref="70"/></stopLine>')
+    signed = read(*approach(line), SIGNS, INTERSECTION, version="2020a").map
+    assert signed.control[[lane(signed, 2), lane(signed, 3)]].tolist() == [LaneControl.STOP, LaneControl.STOP]
+    lit = read(*approach(line), LIGHT, INTERSECTION, version="2020a").map
+    assert lit.control[lane(lit, 2)] == LaneControl.SIGNAL
+
+
 @pytest.mark.parametrize("order", [(81, 82), (82, 81)])
 def test_of_several_limits_the_least_holds(order: tuple[int, int]) -> None:
     slower = SIGNS.replace("81", "82").replace("80", "83").replace("8.33", "5.5")
