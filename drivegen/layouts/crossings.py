@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from drivegen.layouts.values import (
     STREET_LANE,
@@ -22,6 +22,9 @@ from drivegen.layouts.values import (
 
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
 """Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
+
+SIGNS = (("left", 1), ("right", -1))
+"""Of turns [degrees] to either side."""
 
 STRAIGHT = 40.0
 """Who turns by less [degrees] goes straight on."""
@@ -96,31 +99,45 @@ class Crossing(_Arms):
     control: Control = "yield"
     lane_width: LaneWidth = STREET_LANE
 
+    @field_validator("arms", mode="after")
+    @classmethod
+    def _turn_lanes_lead_somewhere(cls, arms: tuple[Arm, ...]) -> tuple[Arm, ...]:
+        """Without turn lanes where there is nowhere to turn, as ahead of a T: nobody is told of what no network has."""
+        return tuple(_without_idle_lanes(arm, _turns(arms, i)) for i, arm in enumerate(arms))
+
     @model_validator(mode="after")
     def _turns_lead_somewhere(self) -> "Crossing":
         for i, arm in enumerate(self.arms):
             turns, (left, right, _) = self.turns(i), self.turn_lanes(i)
             if arm.lanes_in and not turns:
                 raise ValueError(f"who comes in over arm {i + 1} can go nowhere")
-            for lanes, side in ((left, 1), (right, -1)):
+            for lanes, (_, side) in zip((left, right), SIGNS, strict=True):
                 if lanes > max((self.arms[k].lanes_out for k, turn in turns.items() if side * turn > STRAIGHT), default=lanes):
                     raise ValueError(f"{lanes} turn lanes need a road with {lanes} lanes to turn into")
         return self
 
     def turns(self, here: int) -> dict[int, float]:
         """By the other arms with a way out the turn towards them [degrees, left positive], banned turns left out."""
-        arm = self.arms[here]
-        others = [(i, other.angle) for i, other in enumerate(self.arms) if i != here and other.lanes_out]
-        turns = {i: (angle - arm.angle) % 360.0 - 180.0 for i, angle in others}
-        banned = {"left": 1, "right": -1}
-        return {i: turn for i, turn in turns.items() if not any(banned[side] * turn > STRAIGHT for side in arm.turn_bans)}
+        return _turns(self.arms, here)
 
     def turn_lanes(self, here: int) -> TurnLanes:
-        """Those that an arm gets: only where there is somewhere to turn."""
-        arm, turns = self.arms[here], self.turns(here).values()
-        left = arm.left_turn_lanes if arm.lanes_in and any(turn > STRAIGHT for turn in turns) else 0
-        right = arm.right_turn_lanes if arm.lanes_in and any(turn < -STRAIGHT for turn in turns) else 0
-        return TurnLanes(left, right, min(arm.pocket, arm.length / 2))
+        """Those of an arm."""
+        arm = self.arms[here]
+        return TurnLanes(arm.left_turn_lanes, arm.right_turn_lanes, min(arm.pocket, arm.length / 2))
+
+
+def _turns(arms: tuple[Arm, ...], here: int) -> dict[int, float]:
+    arm = arms[here]
+    others = [(i, other.angle) for i, other in enumerate(arms) if i != here and other.lanes_out]
+    turns = {i: (angle - arm.angle) % 360.0 - 180.0 for i, angle in others}
+    banned = {"left": 1, "right": -1}
+    return {i: turn for i, turn in turns.items() if not any(banned[side] * turn > STRAIGHT for side in arm.turn_bans)}
+
+
+def _without_idle_lanes(arm: Arm, turns: dict[int, float]) -> Arm:
+    used = {side: bool(arm.lanes_in) and any(sign * turn > STRAIGHT for turn in turns.values()) for side, sign in SIGNS}
+    lanes = {f"{side}_turn_lanes": getattr(arm, f"{side}_turn_lanes") * used[side] for side in used}
+    return arm.model_copy(update=lanes | ({} if any(lanes.values()) else {"pocket": Arm.model_fields["pocket"].default}))
 
 
 class Roundabout(_Arms):

@@ -4,8 +4,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from drivegen.layouts.crossings import SIGNS, STRAIGHT
 from drivegen.words.choices import Choices, is_one_way, lanes_of, median_of, speed_of, usual_speed
-from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
+from drivegen.words.slots import SLOTS
+from drivegen.words.things import Road, Scene, Thing, Undrawable, Unfit, merged, only
 
 TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
@@ -251,10 +253,20 @@ def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
             if (lanes := lanes_of(arm, one_way=False, arms=True)) is not None:
                 road |= {"lanes_in": lanes[0], "lanes_out": lanes[1]}
             road |= turning((arm,), road)
+            check_turns(built, road, arm)
             if arm.value("two_way") and 0 in (road["lanes_in"], road["lanes_out"]):
                 raise Unfit("an arm is said to be two-way, and its road one-way")
             if arm.has("control"):
                 raise Unfit("signs of single arms cannot be drawn")
+
+
+def check_turns(arms: Sequence[Road], arm: Road, said: Thing) -> None:
+    """Raises Undrawable for turn lanes of one arm, of which they are `said`, towards a side to which no road leads away."""
+    turns = [(other["angle"] - arm["angle"]) % 360.0 - 180.0 for other in arms if other is not arm and other["lanes_out"]]
+    for side, sign in SIGNS if isinstance(said.which, (int, float)) and said.has(*TURN_LANES) else ():
+        if arm.get(f"{side}_turn_lanes") and not any(sign * turn > STRAIGHT for turn in turns):
+            which = SLOTS["nth" if isinstance(said.which, int) else "compass"].speak(said.which)
+            raise Undrawable(f"no road leads to the {side} for who comes over the {which} arm")
 
 
 def _meant(built: list[Road], arm: Thing) -> list[Road]:

@@ -11,9 +11,9 @@ Event = dict[str, Any]
 """Fields of an event, and the things that are said of it: `thing`."""
 
 _FIRST, _BETWEEN, _LAST, _LEAST_BETWEEN, _LEAST_LAST = 250.0, 120.0, 250.0, 45.0, 40.0
-_AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
+AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _SHARES = (0.8, 0.6, 0.45)
-_SHORTEST = 50.0
+SHORTEST = 50.0
 _FURTHER = frozenset({"another", "second", "third", "further"})
 """Words that tell a second event from the first one said again."""
 
@@ -137,11 +137,11 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     given, everywhere = None, True
     for event in events:
         facts = merged(event["thing"])
-        ramp = event["kind"] in _AUXILIARY
+        ramp = event["kind"] in AUXILIARY
         facts.accept("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "has_ramps", "row")
         exact, given = given, facts.value("auxiliary") or facts.value("length")
         everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
-        length = given or _AUXILIARY.get(event["kind"], 0.0) * share
+        length = given or AUXILIARY.get(event["kind"], 0.0) * share
         here = facts.value("position")
         if facts.has("spacing") and len(events) == 1:
             raise Undrawable("say how many there are so far apart")
@@ -149,12 +149,12 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         if here is None and gap:
             here = gap + (nose_of(placed[-1]) if placed else 0.0)
         if here is not None and event["kind"] == "off_ramp":
-            length = given or max(_SHORTEST, min(length, here - _SHORTEST))
+            length = given or max(SHORTEST, min(length, here - SHORTEST))
             here = round(here - length, 6)
         if here is None:
             here = end + _BETWEEN * share if placed else _FIRST * share
-        if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
-            placed[-1]["length"] = max(_SHORTEST, round(here - _LEAST_BETWEEN - placed[-1]["position"], 6))
+        if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in AUXILIARY and not exact:
+            placed[-1]["length"] = max(SHORTEST, round(here - _LEAST_BETWEEN - placed[-1]["position"], 6))
         counted = facts.value("lane_road", "event_lanes", "lanes", "lanes_each")
         sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])}
         if len(sides) > 1 or (ramp and "left" in sides):

@@ -37,7 +37,7 @@ def street(scene: Scene, choices: Choices) -> Road:
             raise Unfit("there is no crossing that could be controlled or have turn lanes")
         road.accept("signals")
         line = alignment(road, choices, (120, 180) if dead_end else (400, 600))
-        return {**base, "alignment": line, "dead_end": dead_end}
+        return {**base, "alignment": line, "dead_end": dead_end, "median": median_of(road)}
     line = _line(road, choices, gaps, first)
     start = line.pop("start")
     for i, junction in enumerate(junctions):

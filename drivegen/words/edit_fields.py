@@ -2,8 +2,9 @@
 
 import math
 
-from drivegen.words.build_crossings import turning
-from drivegen.words.build_events import EVENTS
+from drivegen.layouts.highways import HighwayEvent
+from drivegen.words.build_crossings import check_turns, turning
+from drivegen.words.build_events import AUXILIARY, EVENTS, SHORTEST
 from drivegen.words.choices import lanes_of
 from drivegen.words.things import Road, Thing, Unfit
 
@@ -13,6 +14,9 @@ _LANES = {"side": ("side_lanes", "lanes_in", "lanes_out"), "ring": ("ring_lanes"
 _LANES |= {"left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}
 _LANES |= dict.fromkeys(("cross", "crossing", "roundabout"), ("side_lanes",))
 _LENGTHS = ("leg_length", "road_length", "side_length", "length")
+_OF_THE_ROAD = ("diameter", "spacing", "median", "lane_width", "ring_lanes", "ring_speed")
+BEHIND = 150.0
+"""So much road [m] is left behind the last that happens along it."""
 _SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
 
@@ -26,11 +30,15 @@ class Edit:
     def run(self) -> None:
         """Set every fact of the thing. Raises Unfit where one fits nowhere."""
         name = self.thing.name
-        if name in EVENTS and self._events(name):
+        if name in EVENTS and self.thing.value("remove"):
+            self._remove(name)
             return
-        if (form := self.thing.value("form")) is not None:
+        become = "roundabout" if name == "roundabout" and self.kind == "crossing" and not self.thing.definite else None
+        if (form := self.thing.value("form") or become) is not None:
             self._form(form)
-        parts = self._parts(name)
+        new = name in EVENTS and not self.thing.definite and not self.thing.has("downstream", "upstream")
+        parts = [self._added(name)] if new else self._parts(name)
+        self._changes_of_lanes()
         if name and name != "crossing" and not parts:
             raise Unfit(f"this road has no {self.thing.text!r}")
         self._lanes(parts)
@@ -64,31 +72,48 @@ class Edit:
         kinds = _RAMPS if name == "ramp" else (name,)
         return self.thing.among([event for event in self.road.get("events", []) if event["kind"] in kinds])
 
-    def _events(self, name: str) -> bool:
-        """Remove ramps, or add one behind all that is there; whether they are gone."""
+    def _events(self) -> list[Road]:
         if self.kind != "highway":
             raise Unfit("only motorways have ramps and lane changes along them")
         events: list[Road] = self.road["events"]
-        if self.thing.value("remove"):
-            gone = self._named_events(name)
-            if not gone:
-                raise Unfit(f"there is no {self.thing.text!r} along this road")
-            self.road["events"] = [event for event in events if event not in gone]
-            return True
-        if not self.thing.definite and not self.thing.has("downstream", "upstream"):
-            last = max((e["position"] + e.get("length", 0.0) for e in events), default=130.0)
-            position = self.thing.value("position") or last + 120.0
-            new = {"kind": "on_ramp" if name == "ramp" else name, "position": position}
-            self.road["events"] = sorted([*events, new], key=lambda e: e["position"])
-            line = self.road["alignment"]
-            line["length"] = max(line["length"], position + 450.0)
-        return False
+        return events
+
+    def _ramps(self) -> list[Road]:
+        return [event for event in self.road.get("events", []) if event["kind"] in _RAMPS]
+
+    def _remove(self, name: str) -> None:
+        events, gone = self._events(), self._named_events(name)
+        if not gone:
+            raise Unfit(f"there is no {self.thing.text!r} along this road")
+        self.road["events"] = [event for event in events if event not in gone]
+
+    def _added(self, name: str) -> Road:
+        """A new ramp or change of lanes, where it is said to be, else behind all that is there."""
+        events, kind = self._events(), "on_ramp" if name == "ramp" else name
+        last = max((event["position"] + event["length"] for event in events), default=130.0)
+        position, lane = self.thing.value("position") or last + 120.0, AUXILIARY.get(kind, 0.0)
+        if kind == "off_ramp":  # it is said to be where it leaves
+            lane = max(SHORTEST, min(lane, position - SHORTEST)) if self.thing.has("position") else lane
+            position -= lane if self.thing.has("position") else 0.0
+        usual = HighwayEvent.model_construct(kind=kind, position=position).model_dump(mode="json", exclude={"side"})
+        new: Road = usual | ({"length": lane} if lane else {})  # its side is the outer one, unless it is said
+        self.road["events"] = sorted([*events, new], key=lambda event: event["position"])
+        line = self.road["alignment"]
+        line["length"] = max(line["length"], position + lane + BEHIND)
+        return new
+
+    def _changes_of_lanes(self) -> None:
+        """Lanes that end or begin at a place that is said; "add a lane" is one more all along."""
+        for name, kind in (("loses", "lane_drop"), ("gains", "lane_gain")) if self.thing.has("position") else ():
+            for value in (*self.thing.values(name), *self.thing.values(f"{name}_side")):
+                self._added(kind).update({"side": value} if isinstance(value, str) else {"lanes": int(value)})
 
     def _form(self, form: str) -> None:
         road = self.road
         if form == "roundabout" and self.kind == "crossing":
             arms = [{**arm, **_NO_TURN_LANES, "turn_bans": (), "main": True, "angle": arm["angle"] % 360} for arm in road["arms"]]
-            ring = 2 if max(arm["lanes_in"] for arm in arms) > 1 else 1
+            usual = 2 if max(arm["lanes_in"] for arm in arms) > 1 else 1
+            ring = self.thing.value("lanes", "lane_road", "ring_lanes") or usual
             diameter = max(30.0 + 10.0 * ring, 9.0 * len(arms) + 8.0 * ring)
             self.fields["road"] = {"kind": "roundabout", "arms": arms, "ring_lanes": ring, "diameter": diameter}
         elif form == "crossing" and self.kind == "roundabout":
@@ -103,8 +128,10 @@ class Edit:
 
     def _lanes(self, parts: list[Road]) -> None:
         more, fewer = self.thing.value("more_lanes"), self.thing.value("fewer_lanes")
-        one_way = self.road.get("lanes_back") == 0 or self.kind in ("highway", "fork") or self.road.get("one_way", False)
-        lanes = lanes_of(self.thing, one_way=one_way, arms=bool(self.road.get("arms")))
+        highway = self.kind == "highway"
+        one_way = self.road.get("lanes_back") == 0 or self.kind == "fork" or self.road.get("one_way", False)
+        one_way = one_way or self.road.get("carriageways") == 1 or self.thing.name == "ring"
+        lanes = lanes_of(self.thing, one_way=one_way, per_carriageway=highway, arms=bool(self.road.get("arms")))
         if more is None and fewer is None and lanes is None:
             return
         for part in parts:
@@ -117,14 +144,18 @@ class Edit:
     def _speed(self, parts: list[Road], name: str) -> None:
         if (speed := self.thing.value("speed", "ramp_speed")) is None:
             return
+        said = next((fact.text for fact in self.thing.facts if fact.name == "ramp_speed"), None)
+        ramps = self._ramps() if said else []
+        if said and len(ramps) > 1 and not said.endswith("s"):
+            raise Unfit(f"there are several ramps: {said!r} can be of any of them")
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
-        for part in parts:
-            names = ("ramp_speed",) if self.thing.has("ramp_speed") else (own.get(name, ""), "speed", "ramp_speed")
+        for part in ramps or parts:
+            names = ("ramp_speed",) if said else (own.get(name, ""), "speed", "ramp_speed")
             fields = [field for field in names if field in part]
             if not fields:
                 raise Unfit("no limit can be set there")
             part[fields[0]] = speed
-        if name in ("", "street") and not self.thing.has("ramp_speed"):
+        if name in ("", "street") and not said:
             for junction in self.road.get("junctions", []):
                 junction["side_speed"] = speed
             self.road |= {slow: min(self.road[slow], speed) for slow in _SLOW if slow in self.road}
@@ -133,6 +164,8 @@ class Edit:
         control, signals = self.thing.value("control"), self.thing.value("signals")
         if control is None and signals is None:
             return
+        if self.kind != "corridor" and self.thing.which not in (None, "all"):
+            raise Unfit("lights and signs of single arms or junctions of this road cannot be drawn")
         if control == "stop_sign":
             mains = [arm["main"] for arm in self.road.get("arms", [])]
             control = "all_way_stop" if (mains and all(mains)) or self.kind == "grid" else "stop"
@@ -162,6 +195,8 @@ class Edit:
             if set(new) == {"pocket"} and not (part["left_turn_lanes"] or part["right_turn_lanes"]):
                 raise Unfit("there are no turn lanes whose length could be set")
             part |= new | ({"turn_bans": sorted({*part["turn_bans"], *new["turn_bans"]})} if "turn_bans" in new else {})
+            if name == "arm":
+                check_turns(self.road["arms"], part, self.thing)
 
     def _lengths(self, parts: list[Road]) -> None:
         length, longer, shorter = self.thing.value("length"), self.thing.value("longer"), self.thing.value("shorter")
@@ -185,14 +220,16 @@ class Edit:
             part["position"] += moved
         if moved and first is not None:
             line = self.road["alignment"]
-            line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + 150.0)
+            line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + BEHIND)
         elif moved:
             raise Unfit("there is nothing along this road that could be moved")
 
     def _numbers(self, parts: list[Road]) -> None:
         fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
-        for name, field in {**fields, **{name: name for name in ("diameter", "spacing", "median", "lane_width")}}.items():
-            holders = [part for part in (parts if name in fields else [self.road]) if field in part]
+        for name, field in {**fields, **{name: name for name in _OF_THE_ROAD}}.items():
+            only_ramp = self._ramps() if name == "auxiliary" and not self.thing.name and len(self._ramps()) == 1 else None
+            those = only_ramp or (parts if name in fields else [self.road])
+            holders = [part for part in those if field in part]
             if holders and (value := self.thing.value(name)) is not None:
                 for part in holders:
                     lane = part["length"] if name == "position" and part.get("kind") == "off_ramp" else 0.0

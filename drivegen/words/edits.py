@@ -14,7 +14,7 @@ from drivegen.words.read import meanings, unreadable
 from drivegen.words.roads import first_complaint
 from drivegen.words.scene import scene_of
 from drivegen.words.table import silent, table, words
-from drivegen.words.things import Scene, Unfit
+from drivegen.words.things import Scene, Undrawable, Unfit
 from drivegen.words.tokens import tokenise
 
 EDITS = (
@@ -23,11 +23,16 @@ EDITS = (
     "remove the traffic lights",
     "make it a roundabout",
     "add an on-ramp",
+    "add an off-ramp",
     "remove the off-ramp",
     "the on-ramp 100 m downstream",
     "200 m longer",
     "left-turn lanes on the main road",
     "traffic on the left",
+    "two lanes in each direction",
+    "replace the traffic lights by stop signs",
+    "lanes 3.5 m wide",
+    "the right lane ends after 600 m",
 )
 """One edit of each kind; all of them are read."""
 
@@ -78,7 +83,15 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     try:
         after = MapSpec.model_validate(fields)
     except ValidationError as error:
-        raise Unfit(f"after this edit the road cannot be drawn: {first_complaint(error)}") from None
+        raise Undrawable(f"after this edit the road cannot be drawn: {first_complaint(error)}") from None
     if after == spec:
         raise Unfit("this changes nothing")
+    _check_bends(spec, after)
     return after
+
+
+def _check_bends(before: MapSpec, after: MapSpec) -> None:
+    """Raises Undrawable where bends that fitted into their road do not fit any more."""
+    was, line = (getattr(spec.road, "alignment", None) for spec in (before, after))
+    if line is not None and line.too_short and not (was is not None and was.too_short):
+        raise Undrawable(f"after this edit its bends do not fit into a road of {line.length:.0f} m")

@@ -3,6 +3,7 @@
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.layouts.spec import MapSpec
 from drivegen.words.edits import edited
 from drivegen.words.read import read
 from tests.words.test_words_read import KMH, declined
@@ -27,8 +28,16 @@ from tests.words.test_words_read import KMH, declined
         ("a roundabout with four arms", "add a lane to the ring", "changes at 'ring'"),
         ("a street with three crossings", "30 km/h at the second crossing", "changes at 'crossing'"),
         ("a street with three crossings", "add a lane at the second crossing", "changes at 'crossing'"),
-        ("a motorway with an on-ramp and an off-ramp", "40 km/h on the ramps", "no limit can be set there"),
-        ("a motorway with an on-ramp and an off-ramp", "40 km/h on the slip road", "no limit can be set there"),
+        ("a motorway with an on-ramp and an off-ramp", "40 km/h on the slip road", "there are several ramps"),
+        ("a motorway", "40 km/h on the ramps", "no limit can be set there"),
+        ("a grid of 3 by 3", "add a signal at the first junction", "single arms or junctions"),
+        ("a crossing", "stop sign on the north arm", "single arms or junctions"),
+        ("a motorway fork, 4 lanes split into 2 and 2", "add two lanes", "a branch has at most"),
+        ("a curve with a radius of 150 m", "300 m shorter", "bends do not fit"),
+        ("a curve with a radius of 150 m", "make the curve tighter", "changes of a bend"),
+        ("a T-junction", "right turn lane on the east arm", "no road leads to the right for who comes over the east arm"),
+        ("a T-junction", "add a fourth arm", "arms more than there are"),
+        ("a motorway", "add an off-ramp 300 m from the end", "counted from the end"),
     ],
 )
 def test_an_edit_of_something_else_than_is_said_is_declined(road, edit, why):
@@ -57,6 +66,70 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
     before = read(f"a {form}", 7).road.road
     after = edited(read(f"a {form}", 7).road, "40 km/h on the ramps").road
     assert after == before.model_copy(update={"ramp_speed": 40 * KMH})
+
+
+def test_a_ramp_is_added_as_it_is_said_and_leaves_the_others_as_they_are():
+    before = read("a three-lane motorway, 1.2 km long, with an on-ramp at 200 m", 7).road
+    new = edited(before, "add a two-lane off-ramp at 700 m").road
+    assert [event.kind for event in new.events] == ["on_ramp", "off_ramp"]
+    assert new.events[0] == before.road.events[0]
+    assert (new.events[1].position + new.events[1].length, new.events[1].lanes) == (700.0, 2)
+    assert new.alignment.length == 1200.0
+    limits = [event.ramp_speed for event in edited(MapSpec(road=new), "40 km/h on the ramps").road.events]
+    assert limits == [40 * KMH, 40 * KMH]
+
+
+def test_a_lane_may_end_at_a_place_that_is_said():
+    (drop,) = edited(read("a three-lane motorway, 1 km long", 7).road, "the right lane ends after 600 m").road.events
+    assert (drop.kind, drop.position, drop.lanes, drop.side) == ("lane_drop", 600.0, 1, "right")
+
+
+@pytest.mark.parametrize(
+    ("edit", "arms", "ring"),
+    [
+        ("turn it into a roundabout with two lanes", 2, 2),
+        ("make it a two-lane roundabout", 1, 2),
+        ("turn it into a roundabout with a two-lane ring", 1, 2),
+        ("make it a roundabout", 1, 1),
+    ],
+)
+def test_lanes_that_a_new_roundabout_is_said_to_have(edit, arms, ring):
+    road = edited(read("a crossing with traffic lights, one lane each way", 7).road, edit).road
+    assert (road.kind, road.arms[0].lanes_in, road.ring_lanes) == ("roundabout", arms, ring)
+
+
+@pytest.mark.parametrize(
+    ("edit", "lanes"), [("with two lanes each way", 2), ("add two lanes each way", 3), ("two more lanes each way", 3)]
+)
+def test_lanes_are_added_only_where_that_is_said(edit, lanes):
+    arms = edited(read("a crossing, one lane each way", 7).road, edit).road.arms
+    assert {(arm.lanes_in, arm.lanes_out) for arm in arms} == {(lanes, lanes)}
+
+
+@pytest.mark.parametrize(
+    ("road", "edit", "control"),
+    [
+        ("a crossing with traffic lights", "replace the signals by stop signs", "all_way_stop"),
+        ("a crossing with stop signs", "change the stop signs to traffic lights", "signals"),
+    ],
+)
+def test_signs_and_lights_are_replaced(road, edit, control):
+    assert edited(read(road, 7).road, edit).road.control == control
+
+
+def test_nobody_is_told_of_turn_lanes_where_there_is_nowhere_to_turn():
+    said = read("a T-junction with left turn lanes", 7)
+    assert [arm.left_turn_lanes for arm in said.road.road.arms] == [0, 1, 1]  # the first arm's left is where no road is
+    with pytest.raises(UnusableInput, match="no road leads to the right for who comes over the second arm"):
+        read("a T-junction, right turn lane on the second arm", 7)
+
+
+@pytest.mark.parametrize(
+    "text", ["a crossing, protected left turn lanes on every arm", "a crossing with lights, protected left turns"]
+)
+def test_protected_turns_are_declined_by_name(text):
+    with pytest.raises(UnusableInput, match="protected turns"):
+        read(text, 7)
 
 
 def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
