@@ -71,7 +71,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     planner.save(model)
     write_curve(curve, rows, error="ade")
     counts = {"train_tracks": train.tracks, "validation_tracks": len(validation), "steps": rows[-1].step}
-    epochs = round(rows[-1].step * settings.training.batch / max(train.tracks, 1), 2)
+    epochs = round(rows[-1].step * settings.training.batch / planner.learnt_from, 2)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         with timed("planning", costs):

@@ -16,6 +16,9 @@ START_TOLERANCE = 0.3
 WRONG_WAY_SPEED = 1.0
 """Driving against the lanes counts above this speed [m/s]."""
 
+NOTICED, SLOWING = 10, 0.5
+"""Who starts above the speed limit slows down from this step on, by at least so much [m/s2]."""
+
 OVER_THE_LINE = 0.25
 """So far [m] a front corner may be on lanes that lead against the vehicle; the raster lets pass up to 0.6 m more, as it gives a
 border to the lanes on both sides."""
@@ -41,6 +44,7 @@ _HALF = np.float32(0.5)
 _SECTORS_PER_RADIAN = SECTORS / (2 * np.pi)
 _LIMIT_UNIT = np.float32(LIMIT_UNIT)
 _NEVER = np.float32(NEVER)
+_SLOWING = np.float32(SLOWING * DT)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -106,6 +110,7 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
             now = before = earlier = LEAST
+            last_x = np.float32(np.inf)  # what is seen again is looked up again
             continue
         x, y = position[t, 0], position[t, 1]
         earlier, before = before, now
@@ -129,9 +134,12 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
 
 @njit(cache=True, error_model="numpy")
 def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-untyped-def]
-    """(longest time against the lanes [s], its first step beyond the limit or -1, most above the speed limit [m/s], its step)."""
+    """(longest time against the lanes [s], its first step beyond the limit or -1, most above the speed limit [m/s], its step).
+
+    Who starts faster than is legal may take its time, but has to slow down (NOTICED, SLOWING).
+    """
     position, heading, direction, velocity, valid = motion
-    against = 0
+    against, given = 0, _NEVER
     longest, wrong_first, over, over_first = _NEVER, -1, _NEVER, -1
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
@@ -156,6 +164,8 @@ def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-
             wrong_first = t
         if limits[i, j] > 0:
             excess = speed - np.float32(limits[i, j]) * _LIMIT_UNIT
+            given = excess - limit[OVER_LIMIT] if given == _NEVER else given
+            excess -= max(given - max(_SLOWING * np.float32(t - NOTICED), np.float32(0.0)), np.float32(0.0))
             over = max(over, excess)
             if over_first < 0 and excess > limit[OVER_LIMIT]:
                 over_first = t
@@ -186,7 +196,8 @@ def _judge_sides(directions, origin, motion, length, width, limit):  # type: ign
         if not valid[t]:
             looks = 0
             continue
-        on = velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1] > WRONG_WAY_SPEED**2
+        drives = velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1] > WRONG_WAY_SPEED**2
+        on = drives or not began  # who stands where it began has not left it
         if on:
             agreeing = _AGREEING[int(np.floor(heading[t] * _SECTORS_PER_RADIAN)) % SECTORS]
             cos, sin = direction[t, 0], direction[t, 1]
@@ -196,7 +207,7 @@ def _judge_sides(directions, origin, motion, length, width, limit):  # type: ign
                 directions, agreeing, column + aside * sin, row - aside * cos
             )
         began |= not on
-        looks = looks + STRIDE if on and began else 0
+        looks = looks + STRIDE if on and drives and began else 0
         lasting = np.float32(looks * DT)
         longest = max(longest, lasting)
         if first < 0 and lasting > limit:

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.checker import collisions, dynamics, priority, road
-from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
+from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, YIELD_GAP, Limits
 from drivegen.core.boxes import bounds
 from drivegen.core.geometry import unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
@@ -154,6 +154,13 @@ class SceneChecker:
         """
         severities = self.severities(motion, ignore_target)
         return severities.violation, severities.first_step
+
+    def takes_way(self, motion: Trajectories, ignore_target: bool = False) -> NDArray[np.bool_]:
+        """Who of K samples (K, N, T) does not give way, as `check_samples` has it: (K, N)."""
+        arrays = _arrays(motion)
+        worst, first = _nothing(*arrays[3].shape[:2], len(RULES))
+        priority.judge_samples(self._gates, *arrays, self.size, TARGET if ignore_target else NOBODY, self.limit, worst, first)
+        return np.asarray(first[..., YIELD_GAP] >= 0)
 
     def severities(self, motion: Trajectories, ignore_target: bool = False) -> Severities:
         """As `check_samples`, with every rule's severity: `worst` and `first` are (K, N, R)."""

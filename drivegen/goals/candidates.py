@@ -141,14 +141,16 @@ def candidates_on(routes: list[Route], scenario: Scenario, vehicle: int, setting
     around = Neighbours.of(scenario, vehicle).near(position, reach + 20.0)
     ahead = [look_ahead(scenario, route, around, float(v.size[vehicle, 0])) for route in routes]
     offset = np.array([to_frenet(route, position[None])[0, 1] for route in routes], np.float32)
-    tables = [_stay(position, heading, routes, offset, speed)] if speed < MAY_STAY or not routes else []
+    off_lane = not routes or np.abs(offset).min() > OFF_LANE
+    arcs = [_arcs(position, heading, speed, settings.dynamics, seconds)] if off_lane else []
+    can_go = routes or any(len(table.s) for table in arcs)
+    tables = [_stay(position, heading, routes, offset, speed)] if speed < MAY_STAY or not can_go else []
     stays, weights = np.arange(len(tables)), shares(routes)
     for number, (route, what) in enumerate(zip(routes, ahead, strict=True)):
         where = places(route, speed, what, settings.dynamics, settings.spacing, seconds)
         where = replace(where, mass=where.mass * weights[number])
         tables.append(_on_route(number, route, where, float(offset[number]), speed, seconds))
-    if not routes or np.abs(offset).min() > OFF_LANE:
-        tables.append(_arcs(position, heading, speed, settings.dynamics, seconds))
+    tables += arcs
     kerbs = _kerbs(scenario, vehicle, routes, offset, speed, seconds)
     stays = np.append(stays, sum(len(table.s) for table in tables) + np.arange(len(kerbs)))
     whole = _Table.joined([*tables, *kerbs])

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import DT, Scenario
 from drivegen.goals.candidates import Candidates
-from drivegen.goals.scores import SEEN
 from drivegen.roads.frenet import from_frenet, to_frenet
 
 LEAST_SEEN = 0.3
@@ -45,7 +44,7 @@ def ends(scenario: Scenario, candidates: Sequence[Candidates]) -> Ends:
         return Ends(np.zeros(0, np.intp), np.zeros((0, 2)), np.zeros(0))
     last = log.last_valid()
     rows = np.flatnonzero(log.valid[:, 0] & (last >= LEAST_SEEN * scenario.horizon))
-    left = np.where(last[rows] >= SEEN * scenario.horizon, 0.0, (scenario.horizon - last[rows]) * DT)
+    left = (scenario.horizon - last[rows]) * DT
     position = log.position[rows, last[rows]].astype(np.float64)
     for i in np.flatnonzero(left).tolist():
         n, step = int(rows[i]), int(last[rows[i]])

@@ -17,6 +17,7 @@ from drivegen.core import seeds
 from drivegen.core.intervals import percentiles, recording, resamplings, usual_length
 from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
+from drivegen.goals.labels import ends
 from drivegen.goals.manoeuvres import Manoeuvre
 
 SEEN = 0.95
@@ -74,11 +75,12 @@ def scorable(scenario: Scenario) -> NDArray[np.bool_]:
 
 
 def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: Sequence[NDArray[np.float32]]) -> Judged:
-    """Compare all vehicles' candidates with where the log ended."""
+    """Compare all vehicles' candidates with where they ended, carried on where they were last seen just before."""
     if scenario.log is None:
         return Judged.joined([])
-    rows = np.flatnonzero(scorable(scenario)).tolist()
-    end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
+    found = ends(scenario, candidates)
+    scored = scorable(scenario)[found.vehicle]
+    rows, end = found.vehicle[scored].tolist(), found.position[scored]
     return Judged(
         [np.hypot(*(candidates[n].position - place).T) for n, place in zip(rows, end, strict=True)],
         [probabilities[n] for n in rows],

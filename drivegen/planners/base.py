@@ -173,9 +173,11 @@ class Planner(Protocol):
 
     Attributes:
         Settings: frozen dataclass without defaults; its values stand in `params.yaml`, `train_planner.planners.<name>`.
+        learnt_from: how many examples batches were drawn from in `fit`, 0 before: tracks, or scenes where a batch is of scenes.
     """
 
     Settings: type
+    learnt_from: int
 
     def __init__(self, settings: Any) -> None:
         """An untrained planner."""
@@ -195,7 +197,7 @@ class Planner(Protocol):
         """
 
     def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
-        """Motion (B, T) of the requests, T the longest of the scenarios; valid until each scenario's last step.
+        """Motion (B, T) of the requests, T that of the longest scenario asked for; valid until each scenario's last step.
 
         Starts exactly in the initial state; never drives backward; parked vehicles stay exactly where they are.
         """

@@ -115,7 +115,7 @@ class Plugin:
     Settings = PaperSettings
 
     def __init__(self, settings: PaperSettings) -> None:
-        self.settings, self.trained = settings, False
+        self.settings, self.trained, self.learnt_from = settings, False, 0
         self.net = self._new_net()
 
     def fit(
@@ -137,6 +137,7 @@ class Plugin:
             self.net, self.trained = net, True
             return probe(self.sample, validation, tracks, seed)
 
+        self.learnt_from = objective.size
         averaged, curve = loop.train(self._new_net().to(device), objective, settings.training, seed, path, report, probe=watched)
         self.net, self.trained = averaged.cpu().eval(), True
         return curve

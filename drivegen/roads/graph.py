@@ -77,7 +77,7 @@ class LaneGraph:
     def of(cls, road_map: RoadMap) -> "LaneGraph":
         """Build the graph: a few milliseconds for an Argoverse 2 map, linear in the number of points."""
         count, usable = len(road_map), road_map.for_vehicles
-        line, along, length = _densified(road_map.centreline)
+        line, along, length = densified(road_map.centreline)
         links = road_map.links.reshape(-1, 2)
         links = links[usable[links].all(-1)]
         successors, predecessors = Links.of(links, count), Links.of(links[:, ::-1], count)
@@ -132,7 +132,7 @@ class LaneGraph:
         return self.nearest(points)[1][:, 3]
 
 
-def _densified(lines: Polylines) -> tuple[Polylines, NDArray[np.float32], NDArray[np.float32]]:
+def densified(lines: Polylines) -> tuple[Polylines, NDArray[np.float32], NDArray[np.float32]]:
     """The lines with segments cut into equal parts no longer than PIECE; arc length per point; length per line."""
     points = lines.points.astype(np.float64)
     last = np.zeros(len(points), np.bool_)

@@ -35,7 +35,7 @@ class Route:
         shift: (P,) int8 lanes changed to the left minus to the right until there.
         turned: (P,) float32 [rad] heading change within junctions until there.
         speed_limit: (P,) float32 [m/s], NaN where unknown.
-        half_width_left, half_width_right: (P,) float32 [m] from the line to the lane's boundaries.
+        half_width_right: (P,) float32 [m] from the line to the lane's boundary on the right.
         length: [m] of the line, (P - 1) * SPACING.
         lane_changes: number of lane changes.
         exit_s: [m] where the line leaves the mapped lanes and goes straight on, inf if it does not.
@@ -48,7 +48,6 @@ class Route:
     shift: NDArray[np.int8]
     turned: NDArray[np.float32]
     speed_limit: NDArray[np.float32]
-    half_width_left: NDArray[np.float32]
     half_width_right: NDArray[np.float32]
     length: float
     lane_changes: int
@@ -63,11 +62,6 @@ class Route:
     def entries(self) -> NDArray[np.intp]:
         """The points at which the line enters another lane."""
         return np.flatnonzero(self.lane[1:] != self.lane[:-1]) + 1
-
-    @property
-    def leaves_map(self) -> bool:
-        """Whether the line goes straight on beyond the end of the map."""
-        return bool(np.isfinite(self.exit_s))
 
 
 @dataclass(frozen=True)
@@ -106,7 +100,6 @@ def build_route(graph: LaneGraph, pieces: Sequence[Piece]) -> Route:
         shift=shift,
         turned=turned,
         speed_limit=limit,
-        half_width_left=room[:, 0],
         half_width_right=room[:, 1],
         length=length,
         lane_changes=sum(p.change != 0 for p in pieces),

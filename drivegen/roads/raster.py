@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, Polylines
 from drivegen.core.roadmap import RoadMap
+from drivegen.roads.graph import densified
 
 CHANNELS = ("surface", "boundaries", "centrelines")
 """surface: lanes of motor vehicles, filled. boundaries: their edges. centrelines: thin, in driving direction brighter."""
@@ -46,7 +47,7 @@ class RasterMap:
         lanes = np.flatnonzero(road_map.for_vehicles)
         edges = [line for i in lanes for line in (road_map.left[int(i)], road_map.right[int(i)][::-1])]
         centres = [road_map.centreline[int(i)] for i in lanes]
-        packed = Polylines.of([*edges, *centres])
+        packed, _, _ = densified(Polylines.of([*edges, *centres]))  # pixels far beyond the image are moved to its surroundings
         rings = [np.concatenate([edges[2 * k], edges[2 * k + 1], centres[k]]) for k in range(len(lanes))]
         low, high = (np.array([f(ring, axis=0) for ring in rings]).reshape(-1, 2) for f in (np.min, np.max))
         return cls(packed.points, packed.start, (low + high) / 2, np.hypot(*(high - low).T) / 2)

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from drivegen.checker.limits import Limits
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import unit
 from drivegen.core.rejections import Rejections
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.goals.candidates import Candidates, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.manoeuvres import Manoeuvre
@@ -154,7 +155,11 @@ def goal_requests(
 
 def _with_room_to_stop(requests: PlanRequests) -> PlanRequests:
     """Who is to stay but still rolls stops as soon as a body on wheels can, a little farther on: nobody stands at once."""
-    rolls_on = requests.speed**2 / (2 * BRAKING) * (requests.goal_s <= 0)
+    room = np.minimum(requests.speed**2 / (2 * BRAKING), requests.speed * requests.goal_step * np.float32(DT))
+    rolls_on = room * (requests.goal_s <= 0)
+    there = (requests.route < 0) & (requests.goal_position == requests.position).all(axis=1)
+    ahead = np.where(there[:, None], rolls_on[:, None] * unit(requests.heading), 0.0)
+    requests = replace(requests, goal_position=(requests.goal_position + ahead).astype(np.float32))
     return moved(requests, rolls_on, np.zeros_like(rolls_on), np.zeros_like(rolls_on))
 
 

@@ -5,7 +5,7 @@ leader. Vehicles are committed in asset order, each against those before it; an 
 next round, towards goals drawn by its own odds (without the common tempo) among those whose outlook is clear of committed motion.
 Asset order alone leads into dead ends: a committed vehicle may drive over the place of one that is planned later and
 cannot get out. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
-planned again, a bounded number of times.
+planned again, a bounded number of times. So are those who turn out to owe the way to somebody that was committed after them.
 """
 
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.checker.limits import Limits
+from drivegen.checker.limits import FLAGS, YIELD_GAP, Limits
 from drivegen.checker.scene import SceneChecker, Severities
 from drivegen.core import seeds
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
@@ -179,7 +179,24 @@ class Rollout:
         for n in np.unique(rows[:, 1]).tolist():
             own = np.flatnonzero(rows[:, 1] == n)
             self._commit_vehicle(n, rows[own], motion[own], alone[own])
+        if self.turn + 1 < self.settings.rounds:
+            self._send_back()
         self._note_turned_down()
+
+    def _send_back(self) -> None:
+        """Who does not give way to those that were committed after it is planned again, a bounded number of times."""
+        takes = self.checker.takes_way(self.motion, self.settings.target_steps is not None)
+        for k, n in np.argwhere(takes & ~self.pending & (self.evictions < self.settings.evictions)).tolist():
+            self._turn_down(k, n, n, FLAGS[YIELD_GAP], self.motion.position[k, n])
+            self._release(k, n)
+
+    def _release(self, k: int, n: int) -> None:
+        """Let what is committed be planned again; it is kept until there is something better."""
+        self.evictions[k, n] += 1
+        self.pending[k, n] = True
+        self.spare.put((k, n), self.motion[k, n])
+        self.badness[k, n] = 1.0  # of what is illegal nothing is as good: it is legal, or breaks one rule
+        self.motion.valid[k, n] = False
 
     def _commit_vehicle(self, n: int, rows: NDArray[np.int64], motion: Trajectories, alone: Severities) -> None:
         """Judge what was planned for vehicle n, against what is committed before it in the same sample."""
@@ -250,25 +267,26 @@ class Rollout:
         others = np.flatnonzero(self.checker.partners(n, motion, self._others(n, k)))
         if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
             return False
-        self.evictions[k, others] += 1
-        self.pending[k, others] = True
         for other in others.tolist():
             self._turn_down(k, n, other, Violation.COLLISION, self.motion.position[k, other])
-            self.spare.put((k, other), self.motion[k, other])
-            self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
-        self.motion.valid[k, others] = False
+            self._release(k, other)
         return True
 
     def result(self, method: str) -> Samples:
         """The samples as they stand: pending vehicles keep their least illegal trajectory or are dropped.
 
-        Everything is judged once more together, so that a collision is charged to both partners.
+        Everything is judged once more together, so that a collision is charged to both partners; but for the target, where its
+        driver has to react: of that the pending are judged by what they have to avoid.
         """
         left = self.pending
+        owed, owed_first = self._owed(left if self.settings.target_steps is not None else np.zeros_like(left))
         if not self.settings.drop_illegal:
             for k, n in np.argwhere(left):
                 self.motion.put((k, n), self.spare[k, n])
         violation, first = self.checker.check_samples(self.motion, self.settings.target_steps is not None)
+        if not self.settings.drop_illegal:
+            violation |= owed
+            first = np.where((owed_first >= 0) & ((first < 0) | (owed_first < first)), owed_first, first)
         natural, used = (self._probability(p) for p in (self.choice.natural, self.choice.used))
         return Samples(
             scenario_id=self.choice.scenario.scenario_id,
@@ -283,6 +301,19 @@ class Rollout:
             dropped=left if self.settings.drop_illegal else np.zeros_like(left),
             left_map=self.motion.valid[..., 0] & ~self.motion.valid[..., -1],
         )
+
+    def _owed(self, left: NDArray[np.bool_]) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
+        """What the least illegal trajectories of those that are `left` (K, N) break among the committed, the target for as long
+        as each has to avoid it: flags and first steps (K, N).
+        """
+        violation, first = np.zeros(left.shape, np.uint16), np.full(left.shape, -1, np.int16)
+        for n in np.flatnonzero(left.any(axis=0)).tolist():
+            sample = np.flatnonzero(left[:, n])
+            motion = self.spare[sample, n]
+            alone = self.checker.alone(np.full(len(sample), n), motion)
+            found = self.checker.among_samples(n, motion, sample, self._others(n), self.checker.size, alone)
+            violation[sample, n], first[sample, n] = found.violation, found.first_step
+        return violation, first
 
     def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
         """(K, N) of the goals that are followed, NaN where none is."""

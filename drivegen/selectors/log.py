@@ -94,7 +94,7 @@ def _with_logged_end(graph: LaneGraph, scenario: Scenario, vehicle: int, given: 
         route=[number],
         s=[s],
         d=[d],
-        step=[last],
+        step=[max(last, 1)],  # of who was seen once
         manoeuvre=[kind],
         lane=[lane],
         leaves_map=[leaves],

@@ -50,3 +50,9 @@ def test_who_starts_over_the_centre_line_is_judged_once_it_has_left_it():
     assert illegal
     assert seconds == pytest.approx(5.1, abs=0.2)
     assert first == pytest.approx(55, abs=2)
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.9, 1.1])
+def test_who_starts_over_the_centre_line_may_drive_on_from_standing(speed: float):
+    over = drive(beside(LINE, LANE_WIDTH / 2), 20, speed, 61, 2.0)
+    assert oncoming(two_way_road(), over) == (0, -1, False)

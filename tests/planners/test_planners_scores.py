@@ -76,3 +76,10 @@ def test_a_steady_slowing_down_has_no_jerk_and_lies_at_no_distance_from_itself(l
 def test_the_probe_is_the_mean_error_of_what_is_drawn(logs: Examples) -> None:
     assert probe(aside(1.0, 2.0), logs, drawn_tracks(logs, 10, None, 7), 7) == pytest.approx(1.5, abs=1e-4)
     assert np.isnan(probe(aside(1.0), logs, np.zeros(0, np.intp), 7))
+
+
+def test_tracks_are_scored_where_those_of_the_longest_scene_are_parked():
+    short = scenario(ROAD, stack([drive(LINE, 20, 8, 71), drive(LINE, 60, 9, 71)]), "short")
+    parked = scenario(ROAD, stack([drive(LINE, 20, 0, 101)]), "parked")
+    mixed = examples_from_logs([short, parked], [LaneGraph.of(ROAD)] * 2, 0.8, 7)
+    assert figures(mixed, 0.0)["scored_tracks"] == 2

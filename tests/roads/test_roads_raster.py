@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegen.roads.raster import CHANNELS, PIXELS, RasterMap, raster
-from tests.scenes import crossing, straight_road
+from tests.scenes import crossing, road_map, straight_road
 
 EXTENT = 128.0  # half a metre per pixel
 MIDDLE = PIXELS // 2
@@ -41,3 +41,13 @@ def test_an_empty_place_is_black_and_an_unknown_channel_is_named() -> None:
     assert not raster(roads, np.array([0.0, 5000.0]), 0.3, EXTENT, CHANNELS).any()
     with pytest.raises(ValueError, match="sidewalks"):
         raster(roads, np.zeros(2), 0.0, EXTENT, ["sidewalks"])
+
+
+@pytest.mark.parametrize("spacing", [100, 3000, 6000])
+def test_a_straight_lane_is_drawn_straight_however_far_apart_its_points_are(spacing):
+    x = np.arange(-3000.0, 3001.0, spacing)
+    lane = RasterMap.of(road_map([np.stack([x, 0 * x], 1)]))
+    (image,) = raster(lane, np.zeros(2), np.deg2rad(25), 100.0, ("centrelines",))
+    rows, columns = np.nonzero(image)
+    slope, _ = np.polyfit(rows, columns, 1)
+    assert np.rad2deg(np.arctan(slope)) == pytest.approx(-25, abs=0.5)

@@ -41,3 +41,9 @@ def test_a_car_hardly_seen_is_no_label_and_neither_is_one_without_a_log():
     scene, found, _ = seen_until(int(100 * LEAST_SEEN) - 1)
     assert len(ends(scene, found).vehicle) == 0
     assert len(ends(replace(scene, log=None), found).vehicle) == 0
+
+
+@pytest.mark.parametrize("step", [94, 95, 99])
+def test_a_car_is_carried_on_whenever_it_left(step):
+    scene, found, end = seen_until(step)
+    assert np.hypot(*(ends(scene, found).position[0] - end)) < 1.0

@@ -94,6 +94,7 @@ class FlowPlanner(ABC, Generic[S]):
         self.settings = settings
         self.basis: Basis = {}
         self.net = self._new_net()
+        self.learnt_from = 0
 
     def fit(
         self, train: Iterable[Examples], validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
@@ -122,6 +123,7 @@ class FlowPlanner(ABC, Generic[S]):
             self.net = net
             return probe(self.sample, validation, tracks, seed)
 
+        self.learnt_from = objective.size
         averaged, curve = loop.train(net, objective, settings.training, seed, path, report, probe=watched)
         self.net = averaged.cpu().eval()
         return curve

@@ -64,7 +64,7 @@ def score(
     }
     for prefix, (wanted, motion) in planned.items():
         mine = _smoothness(motion, log) | ({} if motion is log else _errors(wanted, motion, log))
-        judged = replace(motion, valid=motion.valid & (np.arange(log.steps) <= wanted.goal_step[:, None]))
+        judged = replace(motion, valid=motion.valid & (np.arange(motion.steps) <= wanted.goal_step[:, None]))
         mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, judged).items()}
         figures |= {prefix + name: value for name, value in mine.items()}
     unrouted = _errors(requests, sample(examples.scenarios, without_routes(requests)), log)
