@@ -65,13 +65,19 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
         for name in names:
             beginnings[name].append(Beginning.of(scenario, placed[name], graph))
         vehicles += len(scenario.vehicles)
-    rng = seeds.rng(params.seed, "initial_states", "bootstrap")
-    rows = [_row(LOGS, truth, vehicles, rates(truth, params.draws, rng))]
-    rows += [_row(name, beginnings[name], vehicles, compared(truth, beginnings[name], params.draws, rng)) for name in names]
+    rows = [_row(LOGS, truth, vehicles, rates(truth, params.draws, _draws(params)))]
+    rows += [
+        _row(name, beginnings[name], vehicles, compared(truth, beginnings[name], params.draws, _draws(params))) for name in names
+    ]
     recordings = len({one.recording for one in truth})
     write_json(out, {"scenes": len(truth), "recordings": recordings, "left_out": len(logs) - len(truth), "methods": rows})
     print(f"initial_states: {len(names)} methods on {len(truth)} maps")
     return {"scenes": float(len(truth))}
+
+
+def _draws(params: Params) -> np.random.Generator:
+    """A stream for one row, the same for each: all methods meet the same draws, whoever else has a row."""
+    return seeds.rng(params.seed, "initial_states", "bootstrap")
 
 
 def _row(name: str, beginnings: list[Beginning], vehicles: int, measures: dict[str, Interval]) -> dict[str, Any]:

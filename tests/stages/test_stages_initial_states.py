@@ -1,5 +1,7 @@
 """Stage initial_states: where generators place vehicles on the maps of held-out logs."""
 
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import orjson
@@ -62,6 +64,18 @@ def test_who_was_not_trained_has_no_row(folder, tmp_path):
     initial_states.main(PARAMS, *alone, tmp_path / "nothing", tmp_path / "a.json")
     methods = orjson.loads((tmp_path / "a.json").read_bytes())["methods"]
     assert [one["name"] for one in methods] == OURS
+
+
+def test_a_row_does_not_depend_on_who_has_another(folder, tmp_path):
+    params = replace(PARAMS, scenes=3, draws=5)  # so few draws that other ones have other ends
+    alone = tmp_path / "models"
+    shutil.copytree(folder / "models/generators/trafficgen", alone / "generators/trafficgen")
+    rows = []
+    for models in (folder / "models", alone):
+        initial_states.main(params, *(folder / name for name in FILES[:3]), models, tmp_path / "a.json")
+        rows.append({one["name"]: one for one in orjson.loads((tmp_path / "a.json").read_bytes())["methods"]})
+    assert len(rows[0]) > len(rows[1])
+    assert rows[1].items() <= rows[0].items()
 
 
 def test_missing_logs_are_named(folder, tmp_path):
