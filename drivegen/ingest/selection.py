@@ -53,8 +53,8 @@ class Settings:
 def select(log: RecordedLog, settings: Settings) -> Scenario:
     """The scenario of one recording, in a frame whose origin is the target's first position, rounded to metres.
 
-    Raises UnusableInput with reason `bad-id`, `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `no-lanes` or what
-    `Scenario.validate` finds.
+    Raises UnusableInput with reason `bad-id`, `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `nothing-to-score`,
+    `no-lanes` or what `Scenario.validate` finds.
     """
     _expect_safe_id(log)
     log = _cut_time(log, settings)
@@ -63,6 +63,9 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
     log = _without_jumps(log, target, notes)
     size, source = boxes_of(log)
     chosen = choose(log, target, size, source, settings.max_vehicles, settings.smallest_shrink, notes)
+    if not log.motion.valid[chosen, 1:].any():
+        said = f"scenario {log.scenario_id}: none of its vehicles is seen after the first step"
+        raise UnusableInput(said, reason="nothing-to-score")
     scenario = _scenario(_in_frame_of(log, chosen, settings.map_radius), chosen, size, source, notes)
     if touching := _context_overlaps(scenario):
         notes["context_overlaps"] = str(touching)

@@ -30,6 +30,12 @@ def parked(x: float, y: float, heading: float = 0.0, steps: int = STEPS) -> Traj
     return whole
 
 
+def seen_for(steps: int, x: float) -> Trajectories:
+    whole = parked(x, 0)
+    whole.valid[steps:] = False
+    return whole
+
+
 def recording(motions: list[Trajectories], **changes: object) -> RecordedLog:
     """Cars on a straight road; track 0 is the focal one, track 1 the ego."""
     count = len(motions)
@@ -95,12 +101,22 @@ def test_an_unfit_focal_track_makes_way_for_the_av_and_it_is_noted(changes: dict
         (recording(row(), kind=np.full(5, VehicleKind.PEDESTRIAN, np.uint8)), "no-vehicles"),
         (recording([parked(0, 0, steps=8)] * 2), "too-short"),
         (recording([replace(parked(0, 0), velocity=np.full((STEPS, 2), 90, np.float32)), parked(9, 0)]), "implausible-target"),
+        (
+            recording([seen_for(1, 100), seen_for(1, 112), parked(124, 0)], kind=kinds((2, VehicleKind.CYCLIST), count=3)),
+            "nothing-to-score",
+        ),
     ],
 )
 def test_what_yields_no_scenario_is_rejected_with_a_reason(log: RecordedLog, reason: str) -> None:
     with pytest.raises(UnusableInput) as caught:
         select(log, SETTINGS)
     assert caught.value.reason == reason
+
+
+def test_one_vehicle_that_is_seen_once_more_is_enough_to_score() -> None:
+    scenario = select(recording([seen_for(1, 100), seen_for(2, 112)]), SETTINGS)
+    assert scenario.log is not None
+    assert scenario.log.valid.sum(axis=1).tolist() == [1, 2]
 
 
 def test_a_track_ends_where_it_jumps_and_is_dropped_and_counted_if_that_is_at_once() -> None:
