@@ -1,9 +1,11 @@
 """Stage additions@<method>: one method's futures of the test scenarios as they are, and with the same additions as every other's.
 
 argv: scenarios (folder of shards), models (folder with the checker's limits), generated (folder; its name is the method's),
-results (Parquet rows: "<additions>/<metric>", "none" for the futures as they are), their means over scenarios (JSON).
+results (Parquet rows: "<additions>/<metric>", "none" for the futures as they are), their means over the scenarios that are as
+long as most (JSON).
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 
 from drivegen.checker.verdicts import read_limits
 from drivegen.core.first_frame import first_frame
+from drivegen.core.intervals import usual_length
 from drivegen.core.settings import Share
 from drivegen.metrics.displacement import scene_errors, standing_at_exit, summarise
 from drivegen.metrics.safety import safety_rates
@@ -53,8 +56,13 @@ def main(params: Params, scenarios: Path, models: Path, generated: Path, results
     settings = {**asdict(params), "seed": params.sampling_seed}
     run = Run.of("additions", generated.name, settings, [scenarios, generated, models / "limits.json"], method=generated.name)
     write_results(results, [result_rows(run, list(by_scene), columns)])
-    write_json(means, {name: float(np.mean(column)) for name, column in columns.items()})
+    write_json(means, _means(columns))
     return {"scenarios": float(len(by_scene))}
+
+
+def _means(columns: Mapping[str, NDArray[np.float64]]) -> dict[str, float]:
+    """By name, of values (S,), those of scenarios that are as long as most: errors grow with the time that is foreseen."""
+    return {name: float(np.mean(column[columns["steps"] == usual_length(columns["steps"])])) for name, column in columns.items()}
 
 
 def _score_shard(task: Task) -> dict[str, dict[str, float]]:

@@ -22,7 +22,7 @@ from drivegen.warehouse.runs import read_scores
 from stages import additions, corner, goals, rollout, rollout_baseline, ship
 from stages._door import read_params
 from tests.models import two_lanes
-from tests.scenes import busy_crossing
+from tests.scenes import busy_crossing, noisy_samples
 
 SHARDS = ("shard-00000.parquet", "shard-00001.parquet")
 ENDS = ("parquet", "json")
@@ -73,6 +73,18 @@ def test_additions_are_scored_beside_the_futures_as_they_are(root: Path, models:
     assert means["tempo/mean_sade"] == pytest.approx(means["none/mean_sade"])
     assert means["checker+tempo/illegal_per_vehicle"] <= means["none/illegal_per_vehicle"]
     assert values.keys() == means.keys()
+
+
+def test_means_of_additions_are_over_the_scenarios_that_are_as_long_as_most(models: Path, tmp_path: Path) -> None:
+    scenes = [busy_crossing(41, "a"), busy_crossing(31, "b"), busy_crossing(41, "c")]
+    write_shard(tmp_path / "test" / SHARDS[0], scenes)
+    write_samples(tmp_path / "bits" / SHARDS[0], [noisy_samples(scene, 2, method="bits") for scene in scenes])
+    params = replace(read_params("additions", additions.Params), workers=1)
+    additions.main(params, tmp_path / "test", models, tmp_path / "bits", tmp_path / "a.parquet", tmp_path / "a.json")
+    _, values = read_scores([tmp_path / "a.parquet"])
+    means = orjson.loads((tmp_path / "a.json").read_bytes())
+    assert values["steps"].tolist() == [[41, 31, 41]]
+    assert means == {name: pytest.approx(column[0, [0, 2]].mean()) for name, column in values.items()}
 
 
 def test_additions_are_scored_to_the_scenarios_that_the_futures_are_of_or_not_at_all(

@@ -117,6 +117,35 @@ def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
     assert query(made, "select cpu_seconds_per_scenario as s from cost_per_item").to_pylist() == [{"s": 2.0}]
 
 
+@pytest.mark.parametrize(("steps", "mean"), [([71, 101, 101], 4.0), ([71, 71, 101], 1.5), ([71, 101, 71], 3.5)])
+def test_views_average_scenes_of_the_length_that_most_have(tmp_path, steps, mean):
+    other = replace(RUN, run="ba9876543210", method="bits")  # its runs have a length of their own
+    labels = {"label__road__junction": [1.0, 1.0, 1.0]}
+    made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0], steps=steps, **labels), rows(other, min_sade=[3.0, 3.0, 9.0]))
+    for sql in (
+        "select mean from metrics where method = 'drivegen' and metric = 'min_sade' and scenarios = 2",
+        "select min_sade as mean from scenario_quality where method = 'drivegen'",
+        "select mean from metrics_by_label where method = 'drivegen' and metric = 'min_sade' and scenarios = 2",
+    ):
+        assert query(made, sql).to_pylist() == [{"mean": mean}]
+    assert query(made, "select min_sade from scenario_quality where method = 'bits'").to_pylist() == [{"min_sade": 5.0}]
+
+
+def test_of_lengths_that_equally_many_scenes_have_the_largest_is_averaged(tmp_path):
+    made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0], steps=[71.0, 101.0, 50.0]))
+    assert query(made, "select min_sade from scenario_quality").to_pylist() == [{"min_sade": 2.0}]
+
+
+def test_scenarios_are_counted_once_where_policies_of_several_seeds_drove_through_them(tmp_path):
+    runs = [Run(f"run-{seed}", "drive_tuned", "drivegen", "gail", seed, "batch", "drive_tuned") for seed in (7, 8, 9)]
+    labels = rows(label__road__junction=[1.0, 1.0, 1.0])
+    made = warehouse(tmp_path, labels, *(rows(run, cr=[0.0, 0.0, float(run.seed == 8)]) for run in runs))
+    [row] = query(made, "from metrics where metric = 'cr'").to_pylist()
+    assert (row["scenarios"], row["results"], row["mean"]) == (3, 9, pytest.approx(1 / 9))
+    [row] = query(made, "from metrics_by_label where metric = 'cr'").to_pylist()
+    assert (row["scenarios"], row["mean"]) == (3, pytest.approx(1 / 9))
+
+
 def test_the_warehouse_has_a_row_of_every_generator(tmp_path):
     made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
     titles = {row["method"]: row["title"] for row in query(made, "from methods").to_pylist()}

@@ -13,12 +13,22 @@ order by stage, item, method;
 -- The results of scenes as a whole.
 create view scene_results as from results where sample = -1;
 
--- One row a metric, method and driver: the numbers of the report's tables, before intervals.
+-- Those that are averaged: errors grow with the time that is foreseen, so of runs that wrote down how many `steps` scenes have only
+-- the scenes of the length that most have, of several such lengths the largest (`core.intervals.usual_length`); else all.
+create view averaged_results as
+with lengths as (select run, scenario, value as steps from scene_results where metric = 'steps'),
+usual as (select run, steps from lengths group by run, steps
+          qualify row_number() over (partition by run order by count(*) desc, steps desc) = 1),
+others as (from lengths anti join usual using (run, steps))
+from scene_results anti join others using (run, scenario);
+
+-- One row a metric, method and driver: the numbers of the report's tables, before intervals. `results` are the values behind a mean:
+-- more than scenarios where an item was run with several seeds.
 create view metrics as
 select stage, item, method, driver, metric,
-       count(*) as scenarios, avg(value) as mean, median(value) as median, stddev_samp(value) as spread,
-       min(value) as least, max(value) as most
-from scene_results
+       count(distinct scenario) as scenarios, count(*) as results, avg(value) as mean, median(value) as median,
+       stddev_samp(value) as spread, min(value) as least, max(value) as most
+from averaged_results
 where metric not like 'label.%' and metric not like 'manoeuvre.%'
 group by all;
 
@@ -53,7 +63,7 @@ create view crashes as select * exclude (collision, left_map) from drives where 
 
 -- The paper's four realism columns and the rates of generated traffic, one row a method.
 create view scenario_quality as
-pivot (select method, metric, value from scene_results where stage = 'evaluate' and metric in (
+pivot (select method, metric, value from averaged_results where stage = 'evaluate' and metric in (
     'min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle'))
 on metric in ('min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle')
 using avg(value) group by method;
@@ -66,8 +76,8 @@ where metric like 'label.%';
 
 -- Every metric by kind of scene, e.g. min_sade at signalised junctions.
 create view metrics_by_label as
-select l.aspect, l.label, r.stage, r.method, r.driver, r.metric, count(*) as scenarios, avg(r.value) as mean
-from scene_results r join labels l using (scenario)
+select l.aspect, l.label, r.stage, r.method, r.driver, r.metric, count(distinct scenario) as scenarios, avg(r.value) as mean
+from averaged_results r join labels l using (scenario)
 where r.metric not like 'label.%' and r.metric not like 'manoeuvre.%'
 group by all;
 
