@@ -176,6 +176,16 @@ def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
         publish.main(params(), runs, tmp_path / "out")
 
 
+def test_a_run_that_was_stopped_before_all_methods_were_evaluated_is_named(runs, tmp_path):
+    stopped = runs / "here/8-7/reports/metrics/quality/bits.parquet"
+    stopped.unlink()
+    with pytest.raises(UnusableInput, match=r"here/8-7/.*/bits\.parquet is not there.* run `make tables`, or move this run"):
+        publish.main(params(), runs, tmp_path / "out")
+    shutil.move(runs / "here/8-7", tmp_path / "elsewhere")
+    publish.main(params(), runs, tmp_path / "out")
+    assert "not there: here/8-7" in (tmp_path / "out/README.md").read_text()
+
+
 def test_the_section_of_params_yaml_is_what_the_door_takes(monkeypatch):
     monkeypatch.chdir(Path(publish.__file__).parents[1])
     asked = read_params("tables.quality", Params)

@@ -24,7 +24,8 @@ def read_data_set(
 ) -> DataSet | None:
     """All runs of the data set that `folder` is named after; None where none was evaluated.
 
-    `about` is every generator in the tables' order. Raises UnusableInput for results of one that is not among them.
+    `about` is every generator in the tables' order. Raises UnusableInput for results of one that is not among them, and where a
+    run lacks a method that another one has: means are over all runs.
     """
     evaluated = tuple(run for run in runs if (folder / run.folder / METRICS / "quality").is_dir())
     if not evaluated:
@@ -53,11 +54,14 @@ def _added(places: Sequence[Path], methods: Mapping[str, Results]) -> dict[str, 
 
 
 def _methods(folder: Path, places: Sequence[Path], about: Mapping[str, Method]) -> list[str]:
-    """The methods that any seed has results of."""
+    """The methods that the runs have results of. Raises UnusableInput where one is no generator, or not every run has it."""
     methods = sorted({file.stem for place in places for file in (place / "quality").glob("*.parquet")})
     if strangers := [method for method in methods if method not in about]:
         file = f"drivegen/generators/{strangers[0]}.py"
         raise UnusableInput(f"{folder} has results of {strangers[0]!r}, which is no generator: write {file}, or remove the run")
+    expected = [place / "quality" / f"{method}.parquet" for place in places for method in methods]
+    if missing := [file for file in expected if not file.exists()]:
+        raise UnusableInput(f"{missing[0]} is not there, but another run has it: run `make tables`, or move this run elsewhere")
     return methods
 
 
