@@ -168,7 +168,10 @@ def _speed(scenario: Scenario, vehicle: int) -> float:
 
 
 def _reach(speed: float, dynamics: Dynamics, seconds: float) -> float:
-    """Length of routes [m] that is enough whatever the speed limit, up to 1.5 times the present or usual speed."""
+    """Length of routes [m]: for who gathers speed up to 1.2 times its own, 18 m/s at least, and 3 m/s more.
+
+    Some vehicles get farther: 4 to 9 of 1 000 in the corpus have no candidate within 8 m of their end (`LOG.md`).
+    """
     fastest = max(speed * 1.2, 18.0) + 3.0
     time = min((fastest - speed) / dynamics.acceleration, seconds)
     return speed * time + dynamics.acceleration * time**2 / 2 + fastest * (seconds - time) + 10.0

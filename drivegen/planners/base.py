@@ -36,7 +36,8 @@ class PlanRequests:
     Attributes:
         scenario: (B,) int32 which scenario of the batch. vehicle: (B,) int32 which vehicle of it.
         position: (B, 2) float32 [m], heading: (B,) [rad], speed: (B,) [m/s], size: (B, 3) [m]: the state at step 0.
-        goal_position: (B, 2), goal_heading: (B,), goal_speed: (B,): the state at the goal step; met exactly.
+        goal_position: (B, 2), goal_heading: (B,), goal_speed: (B,): the state at the goal step; met exactly by who
+            moves, but for planner `paper`, which approaches it.
         goal_step: (B,) int32 the step of the goal: the scenario's last, or a logged track's last valid one.
         route: (B,) int32 row of `route_line`, or -1 where no route fits (parking, leaving the map).
         route_line: (R, ROUTE_POINTS, 2) float32 [m] points every ROUTE_SPACING, the line starts abreast of its vehicle
