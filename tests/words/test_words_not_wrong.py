@@ -124,6 +124,16 @@ def test_nobody_is_told_of_turn_lanes_where_there_is_nowhere_to_turn():
         read("a T-junction, right turn lane on the second arm", 7)
 
 
+def test_who_passes_a_junction_does_not_overtake():
+    assert "'pass'" in declined("a T-junction, four cars pass from the right")
+    assert read("a two-lane motorway, a truck passing the ego", 7).traffic.groups[0].manoeuvre == "overtake"
+
+
+def test_the_lane_may_be_said_before_the_distance():
+    (group,) = read("a two-lane motorway, a stationary vehicle in the ego lane 80 m ahead", 7).traffic.groups
+    assert (group.place, group.distance) == ("ahead", 80.0)
+
+
 @pytest.mark.parametrize(
     "text", ["a crossing, protected left turn lanes on every arm", "a crossing with lights, protected left turns"]
 )
@@ -192,7 +202,7 @@ def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
         ("a car goes right on a motorway", "'goes'"),
         ("a motorway, a car gets in front of us", "'gets'"),
         ("a road with an oncoming car passing us", "begins behind the target, not oncoming"),
-        ("a road with an oncoming truck that passes", "begins behind the target, not oncoming"),
+        ("a road with an oncoming truck that passes us", "begins behind the target, not oncoming"),
         ("a motorway with a car ahead overtaking us", "begins behind the target, not ahead"),
         ("a motorway with a car ahead that brakes", "'brakes'"),
         ("a crossing with a two-way left turn lane", "from both directions"),
