@@ -6,6 +6,7 @@ from drivegen.layouts.highways import HighwayEvent
 from drivegen.words.build_crossings import check_turns, turning
 from drivegen.words.build_events import AUXILIARY, EVENTS, SHORTEST
 from drivegen.words.choices import lanes_of
+from drivegen.words.slots import SLOTS
 from drivegen.words.things import Road, Thing, Unfit
 
 _RAMPS = ("on_ramp", "off_ramp", "weaving")
@@ -40,7 +41,8 @@ class Edit:
         parts = [self._added(name)] if new else self._parts(name)
         self._changes_of_lanes()
         if name and name != "crossing" and not parts:
-            raise Unfit(f"this road has no {self.thing.text!r}")
+            which = f"{SLOTS['nth'].speak(self.thing.which)} " if isinstance(self.thing.which, int) else ""
+            raise Unfit(f"this road has no {which}{self.thing.text!r}")
         self._lanes(parts)
         self._speed(parts, name)
         self._control()
@@ -210,7 +212,7 @@ class Edit:
 
     def _moved(self, parts: list[Road]) -> None:
         if (straight := self.thing.value("straight")) and "alignment" in self.road:
-            self.road["alignment"] = {"shape": "straight", "length": self.road["alignment"]["length"]}
+            self.road["alignment"] = {"shape": "straight", "length": float(round(self.road["alignment"]["length"]))}
         elif straight:
             raise Unfit("there is no bend here")
         moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)

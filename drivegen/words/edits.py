@@ -67,11 +67,7 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     if spec.road.kind == "graph":
         raise Unfit("a free graph cannot be edited in words")
     fields = spec.model_dump(mode="json")
-    itself = {"corridor": ("street",), "highway": ("highway", "street"), "roundabout": ()}.get(spec.road.kind, (spec.road.kind,))
-    for thing in scene.things:
-        new = thing.name in EVENTS and not (thing.definite or scene.whole.has("more_lanes"))
-        if not (thing.facts or new or (thing.name in itself and thing.which is None)):
-            raise Unfit(f"it is not clear what changes at {thing.text!r}: say it as in 'add a lane on the side road'")
+    _check_clear(spec, scene)
     for thing in (scene.whole, *scene.things):
         if (left_hand := thing.value("left_hand")) is not None:
             fields["left_hand"] = left_hand
@@ -88,6 +84,18 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
         raise Unfit("this changes nothing")
     _check_bends(spec, after)
     return after
+
+
+def _check_clear(spec: MapSpec, scene: Scene) -> None:
+    """Raises Unfit where things are named of which nothing is said, or lanes of which it is open whose they are."""
+    itself = {"corridor": ("street",), "highway": ("highway", "street"), "roundabout": ()}.get(spec.road.kind, (spec.road.kind,))
+    for thing in scene.things:
+        new = thing.name in EVENTS and not (thing.definite or scene.whole.has("more_lanes"))
+        if not (thing.facts or new or (thing.name in itself and thing.which is None)):
+            raise Unfit(f"it is not clear what changes at {thing.text!r}: say it as in 'add a lane on the side road'")
+    lanes = [fact.text for fact in scene.whole.facts if fact.name.startswith("lane") and fact.name != "lane_width"]
+    if lanes and any(thing.name in ("lane_drop", "lane_gain") for thing in scene.things):
+        raise Undrawable(f"it is not clear whether {lanes[0]!r} is of the road: say it in an edit of its own")
 
 
 def _check_bends(before: MapSpec, after: MapSpec) -> None:

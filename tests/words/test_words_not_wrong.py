@@ -36,6 +36,8 @@ from tests.words.test_words_read import KMH, declined
         ("a curve with a radius of 150 m", "300 m shorter", "bends do not fit"),
         ("a curve with a radius of 150 m", "make the curve tighter", "changes of a bend"),
         ("a T-junction", "right turn lane on the east arm", "no road leads to the right for who comes over the east arm"),
+        ("a motorway", "add a lane gain at 700 m with two lanes", "whether 'two lanes' is of the road"),
+        ("a motorway with an off-ramp", "move the second off-ramp to 900 m", "no second 'offramp'"),
         ("a T-junction", "add a fourth arm", "arms more than there are"),
         ("a motorway", "add an off-ramp 300 m from the end", "counted from the end"),
     ],
