@@ -136,6 +136,16 @@ def test_a_plan_through_a_standing_car_or_off_the_lane_breaks_a_rule():
     assert off[0].tolist() == [0.0, pytest.approx(1.0), 0.0]
 
 
+def test_a_look_at_which_a_plan_touches_several_counts_once():
+    scene = on_a_road(126.0, 134.0)
+    crowd = crowd_of(scene)
+    plans = np.repeat(crowd.state[:1, None, None, :3], 8, axis=2)
+    plans[0, 0, 3, 1] = 130.0  # between both, whose bumpers are closer than the plan is long
+    predicted = np.repeat(crowd.state[:, None, :3], 8, axis=1)
+    hit, _ = broken(plans, predicted, crowd, Painted.of([scene]), np.zeros(1, int), 0.3)
+    assert hit.tolist() == [[pytest.approx(1 / 8)]]
+
+
 def test_who_overlaps_at_the_beginning_is_not_held_against_a_plan():
     scene = on_a_road(102.0)
     crowd = crowd_of(scene)

@@ -39,6 +39,7 @@ def _hits(plans, predicted, start, there, state, size, group, box, clearance, hi
     looks = plans.shape[2]
     for r in range(len(box)):
         me, own = box[r], _reach(plans[r], state[box[r]]) + _FAR
+        touched = np.zeros(plans.shape[1:3], np.bool_)  # by however many
         for other in range(start[group[r]], start[group[r] + 1]):
             if other == me or not there[other] or _overlap(state[me], size[me], state[other], size[other], 0.0):
                 continue  # who overlaps already cannot be avoided
@@ -48,7 +49,8 @@ def _hits(plans, predicted, start, there, state, size, group, box, clearance, hi
             for m in range(plans.shape[1]):
                 for at in range(looks):
                     if _overlap(plans[r, m, at], size[me], predicted[other, at], size[other], clearance):
-                        hit[r, m] += 1.0 / looks
+                        touched[m, at] = True
+        hit[r] = touched.sum(axis=1) / looks
 
 
 @njit(cache=True)
