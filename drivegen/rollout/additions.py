@@ -4,7 +4,8 @@ K futures of a scene hold K trajectories of every vehicle. An addition chooses w
 none, so it needs nothing of the model that made them, and what one vehicle may do stays what its model says:
 
 * tempo: each vehicle's trajectories are reordered so that in one future all get far, or all do not: their ranks by distance
-  driven follow a Gaussian copula (`goals.joint.tempos`). Every trajectory is used once, so mean errors stay what they are.
+  driven, as if the road went on beyond its ends, follow a Gaussian copula (`goals.joint.tempos`). Every trajectory is used once,
+  so mean errors stay what they are.
 * checker: vehicle after vehicle, the target first, a trajectory that the checker turns down, alone or with those before it, is
   exchanged for the vehicle's own one of the nearest rank that is legal, or for its least illegal one.
 
@@ -21,7 +22,7 @@ from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker
 from drivegen.core import seeds
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.goals.joint import tempos
 from drivegen.rollout.scene import badness_of
 
@@ -38,7 +39,7 @@ def with_additions(
     `share` of the variance of ranks is common to the vehicles of a future, as in `rollout.scene.RolloutSettings.tempo`.
     """
     count, vehicles = samples.motion.valid.shape[:2]
-    rank = _distances(samples.motion).argsort(axis=0, kind="stable").argsort(axis=0)
+    rank = _distances(samples).argsort(axis=0, kind="stable").argsort(axis=0)
     chosen = np.repeat(np.arange(count)[:, None], vehicles, axis=1)
     if TEMPO in additions:
         chosen = _in_tempo(rank, tempos(seed, scenario.scenario_id, count), share, seeds.rng(seed, "own", scenario.scenario_id))
@@ -51,11 +52,15 @@ def with_additions(
     return replace(samples, motion=samples.motion[at], violation=violation, first_violation=first, **columns)
 
 
-def _distances(motion: Trajectories) -> NDArray[np.float64]:
-    """(K, N) [m] that each vehicle drives."""
+def _distances(samples: Samples) -> NDArray[np.float64]:
+    """(K, N) [m] that each vehicle drives; who leaves goes on at its last speed, as up to an exit the way is the same for all."""
+    motion = samples.motion
     both = motion.valid[..., 1:] & motion.valid[..., :-1]
     step = np.linalg.norm(np.diff(motion.position, axis=-2), axis=-1)
-    return np.asarray(np.where(both, step, 0).sum(axis=-1, dtype=np.float64))
+    last = motion.last_valid()
+    pace = np.take_along_axis(motion.speed, last[..., None], axis=-1)[..., 0]
+    beyond = np.where(samples.left_map, pace * DT * (motion.steps - 1 - last), 0)
+    return np.asarray(np.where(both, step, 0).sum(axis=-1, dtype=np.float64) + beyond)
 
 
 def _in_tempo(rank: NDArray[np.intp], tempo: NDArray[np.float64], share: float, rng: np.random.Generator) -> NDArray[np.intp]:

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from drivegen.checker.verdicts import judged
 from drivegen.core.samples import Samples
 from drivegen.rollout.additions import CHECKER, TEMPO, with_additions
 from tests.checking import LIMITS
-from tests.scenes import busy_crossing, noisy_samples
+from tests.scenes import busy_crossing, drive, joined, noisy_samples, scenario, stack, straight_road
 
 COUNT = 8
 SCENE = busy_crossing(81, "additions")
@@ -34,6 +35,19 @@ def test_a_tempo_uses_every_trajectory_once_and_all_get_far_together() -> None:
         return float(ranks[np.triu_indices(len(ranks), 1)].mean())
 
     assert together(made) > 0.5 > together(given) + 0.2
+
+
+def test_of_those_who_leave_the_fast_have_the_higher_rank():
+    """All leave after 80 m; a tempo that all share orders them as their ways would be if the road went on."""
+    roads = straight_road(100, 2, whole=True)
+    lines = [joined(roads, lane) for lane in (0, 1)]
+    paces = np.random.default_rng(0).permuted(np.tile(np.linspace(10.0, 17.0, COUNT), (2, 1)), axis=1)
+    motion = stack([stack([drive(line, 20, pace, 101) for line, pace in zip(lines, both, strict=True)]) for both in paces.T])
+    scene = scenario(roads, motion[0])
+    given = judged(scene, Samples.without_goals(scene.scenario_id, "made", motion), LIMITS)
+    assert given.left_map.all()
+    first = with_additions(scene, given, LIMITS, (TEMPO,), 1.0, 7).motion.speed[:, :, 0]
+    np.testing.assert_allclose(first[:, 0], first[:, 1], atol=1e-3)
 
 
 @pytest.mark.parametrize("additions", [(CHECKER,), (CHECKER, TEMPO)])
