@@ -10,6 +10,7 @@ from drivegen.core.settings import Count
 from drivegen.core.twins import twin
 from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.proper import mean_errors
+from drivegen.roads.leaving import Exits
 from drivegen.store.draw import draw_places
 from drivegen.store.scenarios import read_shard, shards
 
@@ -45,11 +46,14 @@ class Watched:
 def rolled_out(
     generator: Learned, logged: Sequence[Scenario], samples: int, seed: int, told_log: bool = False
 ) -> Iterator[tuple[Trajectories, Trajectories]]:
-    """Futures (K, N, T) of every scenario, which is `logged`, and its log (N, T); bounds are `told_log`."""
+    """Futures (K, N, T) of every scenario, which is `logged`, and its log (N, T); bounds are `told_log`.
+
+    Who leaves the map is gone from then on, as in the futures that are judged.
+    """
     shown = logged if told_log else [first_frame(scene) for scene in logged]
     for scene, futures in zip(logged, generator.generate(shown, samples, seed), strict=True):
         assert scene.log is not None
-        yield futures.motion, scene.log
+        yield Exits.of(scene.map).leave(futures.motion, scene.vehicles.size[:, 0]), scene.log
 
 
 def scores_of(generator: Learned, split: Path, samples: int, seed: int, told_log: bool = False) -> dict[str, float]:
