@@ -28,6 +28,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
+from stages._code_library import library
 from stages._door import read_params, require
 
 LOGS = "held-out logs"
@@ -48,7 +49,7 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
     draws = Draws(Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps)))
     own = OnLogs(table, draws, read_params("place.initial", Settings), params.seed)
     logs = _spread(_logged(scenarios / "test"), params.scenes)
-    rivals = _rivals(models, scenarios / "train", params.seed)
+    rivals = _rivals(models, scenarios, params.seed)
     names = [*own.names, *rivals]
     truth: list[Beginning] = []
     beginnings: dict[str, list[Beginning]] = {name: [] for name in names}
@@ -86,20 +87,20 @@ def _row(name: str, beginnings: list[Beginning], vehicles: int, measures: dict[s
     return {"name": name, "placed": sum(one.vehicles for one in beginnings), "asked": vehicles, **numbers}
 
 
-def _rivals(models: Path, train: Path, seed: int) -> Mapping[str, Placement]:
+def _rivals(models: Path, scenarios: Path, seed: int) -> Mapping[str, Placement]:
     """The placements of all generators that were trained and say that they place."""
     torch.set_num_threads(1)  # sums depend on the number of threads
-    logs = _logged(train, shards_read=1)
     placements: dict[str, Placement] = {}
     for folder in sorted((models / "generators").glob("*/")):
         plugin = plugins.load("generators", folder.name)
         if plugin.about.places:
+            logs = map(without_parked, library(scenarios, seed))
             placements |= plugin(models, None).placements(logs, seed)
     return placements
 
 
-def _logged(split: Path, shards_read: int | None = None) -> list[Scenario]:
-    files = shards(require(split, "run the ingest stage"))[:shards_read]
+def _logged(split: Path) -> list[Scenario]:
+    files = shards(require(split, "run the ingest stage"))
     return [without_parked(scenario) for file in files for scenario in read_shard(file) if scenario.log is not None]
 
 

@@ -27,6 +27,7 @@ from drivegen.placement.table import Table
 from drivegen.store.assets import read_assets
 from drivegen.store.lookup import futures_in
 from drivegen.store.scenarios import read_shard, shards, write_shard
+from stages._code_library import library
 from stages._door import read_params, require
 
 LIKE = {"drivegen_without_maps": "drivegen"}
@@ -89,8 +90,7 @@ def _new(
     if method in LIKE:
         place: Place = _ours(params, assets, gaps)
     else:
-        train = [scene for scene in read_shard(shards(scenarios / "train")[0]) if scene.log is not None]
-        place = next(iter(generator.placements(train, params.seed).values()))
+        place = next(iter(generator.placements(library(scenarios, params.seed), params.seed).values()))
     random = seeds.rng(params.seed, "tune_traffic", "roads").permutation(len(given))
     fresh = list(islice((one for i in random if (one := _peopled(given[i], place)) is not None), count))
     futures = generator.generate(fresh, 1, params.seed)

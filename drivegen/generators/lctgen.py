@@ -16,7 +16,7 @@ its advantage: where the first frame is given, a query is also told its vehicle'
 surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -29,10 +29,10 @@ from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario, Vehicles
+from drivegen.core.scenario import TARGET, Scenario, Vehicles
 from drivegen.core.settings import Count, NotNegative, Within, expect_multiple
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
-from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
+from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable, around_targets
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators._lctgen.place import place
 from drivegen.generators.shared.learned import Learned, Placement
@@ -101,7 +101,7 @@ class Plugin(Learned):
     def examples(cls, settings: LctgenSettings, scenarios: Sequence[Scenario]) -> Taught:
         """See `Learned`."""
         del settings
-        return Taught.of(Scenes.with_logs(scenarios))
+        return Taught.of(scenarios)
 
     @classmethod
     def objective(cls, settings: LctgenSettings, net: nn.Module, train: Taught, validation: Taught, seed: int) -> loop.Objective:
@@ -132,15 +132,20 @@ class Plugin(Learned):
         """The scenario's target and vehicles drawn for the further rows of a code (N, 8); see `_lctgen.place`."""
         return place(self.net.net, scenario, code, rng)
 
-    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
-        """By the code of one of `logs`, as nobody knows the right one; and, a bound, by that of the scenario's own log."""
+    def placements(self, logs: Iterable[Scenario], seed: int) -> dict[str, Placement]:
+        """By the code of one of `logs`, as nobody knows the right one; and, a bound, by that of the scenario's own log.
+
+        Of its target the code says what the first frame does: how fast it is counts for those around it.
+        """
         library = [logged_code(log) for log in logs]
 
         def placed(scenario: Scenario, own: bool) -> Vehicles:
             rng, count = seeds.rng(seed, self.name, "place", own, scenario.scenario_id), len(scenario.vehicles)
             fit = [code for code in library if len(code) >= count] or library
-            code = logged_code(scenario) if own else fit[int(rng.integers(len(fit)))]
-            return self.place(scenario, code[:count], rng)
+            code = (logged_code(scenario) if own else fit[int(rng.integers(len(fit)))])[:count].copy()
+            target = state_code(around_targets([scenario]))[0, TARGET]
+            code[TARGET, : len(target)] = target
+            return self.place(scenario, code, rng)
 
         title = self.about.title
         bound = {f"{title}, code from the log (a bound, no method)": lambda scenario: placed(scenario, True)}

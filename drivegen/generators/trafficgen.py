@@ -15,7 +15,7 @@ beside the logged way, as roll-outs soon are.
 The initialisation of the paper, its other half, is `Plugin.place`, see `_trafficgen.placement`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,7 +134,7 @@ class Plugin(ClosedLoop):
         counts, random = _around_target(self.settings), seeds.rng(seed, self.name, "place", scenario.scenario_id)
         return place(self.net.placement, scenario, counts, self.settings.piece, count, random)
 
-    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+    def placements(self, logs: Iterable[Scenario], seed: int) -> dict[str, Placement]:
         """See `Learned`."""
         del logs
         return {self.about.title: lambda scenario: self.place(scenario, len(scenario.vehicles), seed)}

@@ -12,7 +12,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.generators._lctgen.codes import PARTS, Action, Direction, logged_actions, state_code
-from drivegen.generators._lctgen.learning import NO_PIECE, places
+from drivegen.generators._lctgen.learning import NO_PIECE, Taught, places
 from drivegen.generators._lctgen.net import ContextGating
 from drivegen.generators.lctgen import CHUNK, Plugin
 from drivegen.generators.shared.vectors import AGENTS, Scenes
@@ -102,7 +102,7 @@ def test_a_vehicle_stands_on_the_piece_beneath_it() -> None:
     line = straight_road(lanes=1).centreline[0].astype(np.float64)
     scene = scenario(straight_road(lanes=1), stack([drive(line, 100, 8, 11), drive(line[::-1], 100, 8, 11)]))
     scenes_ = Scenes.of([scene])
-    piece, attributes = places(scenes_)
+    piece, attributes = places(scenes_, scenes_)
     middle = scenes_.points[0, piece[0, 0]].mean(axis=0)
     assert np.hypot(*middle) <= 7.6
     np.testing.assert_allclose(attributes[0, 0, 0] * 5, -middle[0], atol=1e-3)
@@ -172,6 +172,30 @@ def test_placed_vehicles_stand_free_of_one_another_behind_the_given_target(gener
     ).any()
     again = generator.place(replace(scene, vehicles=scene.vehicles[:1], log=None), code, np.random.default_rng(2))
     np.testing.assert_array_equal(again.position, placed.position)  # the others of the scenario are not looked at
+
+
+def test_whoever_is_to_be_placed_chooses_none_of_the_roads_that_it_is_placed_on():
+    """The road is 3 km long, so that 256 pieces do not hold it."""
+    line = straight_road(3000, 3).centreline[0].astype(np.float64)
+    target, far = drive(line, 200, 8, 11), drive(line, 2500, 8, 11)
+    alone, both = (Taught.of([scenario(straight_road(3000, 3), stack(cars))]) for cars in ([target], [target, far]))
+    for name in ("points", "road", "drawn"):
+        np.testing.assert_array_equal(getattr(both, name), getattr(alone, name))
+    assert both.piece[0, 0] == alone.piece[0, 0] != NO_PIECE
+    assert both.piece[0, 1] == NO_PIECE  # nobody can be placed there
+    _, bare, *_ = both.tensors(np.zeros(1, int), torch.device("cpu"))
+    assert bare.present.sum() == 2
+    np.testing.assert_array_equal(bare.points.numpy(), alone.points)
+
+
+def test_the_code_that_is_placed_by_says_of_the_target_what_its_first_frame_does(generator: Plugin, monkeypatch):
+    given: list[np.ndarray] = []
+    monkeypatch.setattr(generator, "place", lambda scenario, code, rng: given.append(code) or scenario.vehicles)
+    slow, fast = (scenario(straight_road(), stack([drive(straight_road().centreline[0], 20, v, 101)] * 2)) for v in (3.0, 14.0))
+    place = next(iter(generator.placements([slow], 7).values()))
+    place(fast)
+    place(slow)
+    assert [code[:, 3].tolist() for code in given] == [[5, 1], [1, 1]]  # bins of 2.5 m/s
 
 
 def test_a_code_of_too_many_vehicles_is_named(generator: Plugin) -> None:

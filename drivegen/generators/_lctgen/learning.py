@@ -1,6 +1,7 @@
 """What LCTGen learns from scenes: motion of the log's code, the prior of its action fields, placement."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen.core.geometry import rotate, wrap_angle
+from drivegen.core.scenario import TARGET, Scenario
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
 from drivegen.generators._lctgen.net import LctgenNet, Placement
 from drivegen.generators.shared.objective import Objective
@@ -27,13 +29,17 @@ class Taught:
     Attributes:
         scenes: with futures. code: (S, A, 8) int64; an action that the log did not see is KEEP_SPEED.
         seen: (S, A, PARTS) bool actions that it did see.
-        piece: (S, A) int64 the piece of road each vehicle stands on, NO_PIECE where none is near.
+        points, road, drawn: the pieces around the targets, as `points`, `piece` and `drawn` of `around_targets`.
+        piece: (S, A) int64 the one of these that each vehicle stands on, NO_PIECE where none is near.
         attributes: (S, A, ATTRIBUTES) float32 of the vehicle on that piece, in units.
     """
 
     scenes: Scenes
     code: NDArray[np.int64]
     seen: NDArray[np.bool_]
+    points: NDArray[np.float32]
+    road: NDArray[np.float32]
+    drawn: NDArray[np.bool_]
     piece: NDArray[np.int64]
     attributes: NDArray[np.float32]
 
@@ -41,33 +47,40 @@ class Taught:
         return len(self.scenes)
 
     @classmethod
-    def of(cls, scenes: Scenes) -> Self:
-        """Codes and places of logged scenes."""
+    def of(cls, scenarios: Sequence[Scenario]) -> Self:
+        """Codes and places of those scenarios that have a log."""
+        logged = [scenario for scenario in scenarios if scenario.log is not None]
+        scenes, roads = Scenes.with_logs(logged), around_targets(logged)
         actions, seen = logged_actions(scenes)
-        actions = np.where(seen, actions, Action.KEEP_SPEED)
-        piece, attributes = places(scenes)
-        return cls(scenes, np.concatenate([state_code(scenes), actions], axis=-1), seen, piece, attributes)
+        code = np.concatenate([state_code(scenes), np.where(seen, actions, Action.KEEP_SPEED)], axis=-1)
+        return cls(scenes, code, seen, roads.points, roads.piece, roads.drawn, *places(scenes, roads))
 
     @classmethod
     def none(cls) -> Self:
         """No scene."""
-        return cls.of(Scenes.none())
+        return cls.of([])
 
     def tensors(self, rows: NDArray[np.integer], device: torch.device) -> "_Tensors":
-        """Scenes, codes, actions seen, pieces and attributes of the scenes `rows` (b,)."""
-        arrays = (self.code, self.seen, self.piece, self.attributes)
-        code, seen, piece, attributes = (torch.from_numpy(a[rows]).to(device) for a in arrays)
-        return self.scenes[rows].tensors(device), code, seen, piece, attributes
+        """Scenes, the same with the roads around their targets, codes, actions seen, pieces and attributes of `rows` (b,)."""
+        arrays = (self.points, self.road, self.drawn, self.code, self.seen, self.piece, self.attributes)
+        points, road, drawn, *rest = (torch.from_numpy(a[rows]).to(device) for a in arrays)
+        scenes = self.scenes[rows].tensors(device)
+        return scenes, replace(scenes, points=points, piece=road, drawn=drawn), *rest
 
 
-def places(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Each vehicle's piece of road (S, A) and its attributes on it (S, A, ATTRIBUTES), in units."""
-    middle = scenes.points.mean(axis=2)
-    along = scenes.points[:, :, -1] - scenes.points[:, :, 0]
+def around_targets(scenarios: Sequence[Scenario]) -> Scenes:
+    """First frames of which the targets alone are known: pieces chosen by the others, too, would tell where these are."""
+    return Scenes.of([replace(scenario, vehicles=scenario.vehicles[[TARGET]], log=None) for scenario in scenarios])
+
+
+def places(scenes: Scenes, roads: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """The piece of `roads` (S, A) that each vehicle of `scenes` is on, its attributes there (S, A, ATTRIBUTES), in units."""
+    middle = roads.points.mean(axis=2)
+    along = roads.points[:, :, -1] - roads.points[:, :, 0]
     heading = np.arctan2(along[..., 1], along[..., 0])
     gap = np.hypot(*np.moveaxis(scenes.position[:, :, None] - middle[:, None], -1, 0))
     turned = np.abs(wrap_angle(scenes.heading[:, :, None] - heading[:, None]))
-    gap = np.where(scenes.drawn[:, None] & (turned < np.pi / 3), gap, np.inf)
+    gap = np.where(roads.drawn[:, None] & (turned < np.pi / 3), gap, np.inf)
     piece = gap.argmin(axis=2)
     near = (np.take_along_axis(gap, piece[..., None], axis=2)[..., 0] < 10.0) & scenes.present
     row = np.arange(len(scenes))[:, None]
@@ -89,8 +102,8 @@ class LctgenObjective(Objective):
 
     def mean(self, model: nn.Module, examples: Taught, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
         """See `Objective`."""
-        scenes, code, seen, piece, attributes = examples.tensors(rows, device)
-        moved, prior, placed = model(scenes, code)
+        scenes, bare, code, seen, piece, attributes = examples.tensors(rows, device)
+        moved, prior, placed = model(scenes, bare, code)
         loss: Tensor = (
             _motion_loss(scenes, *moved)
             + _prior_loss(prior, code[..., -PARTS:], seen)
@@ -106,17 +119,18 @@ class Trainable(nn.Module):
         super().__init__()
         self.net = net
 
-    def forward(self, scenes: SceneTensors, code: Tensor) -> tuple[tuple[Tensor, Tensor], Tensor, Placement]:
-        """Knots and logits of modes; the prior's logits (S, A, PARTS, 8); the placement."""
+    def forward(self, scenes: SceneTensors, bare: SceneTensors, code: Tensor) -> tuple[tuple[Tensor, Tensor], Tensor, Placement]:
+        """Knots and logits of modes; the prior's logits (S, A, PARTS, 8); the placement, on the roads of `bare` scenes."""
         net = self.net
         roads, vehicles = net.roads(scenes), net.vehicles(scenes)
         moved = net.moved(scenes, net.decoded(scenes, roads, code, vehicles))
         actions = code[..., -PARTS:]
         prior = torch.stack([net.action_logits(vehicles, actions, part) for part in range(PARTS)], dim=-2)
-        return moved, prior, net.placed(net.decoded(scenes, roads, code, None), roads)
+        roads = net.roads(bare)
+        return moved, prior, net.placed(net.decoded(bare, roads, code, None), roads)
 
 
-_Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
+_Tensors = tuple[SceneTensors, SceneTensors, Tensor, Tensor, Tensor, Tensor]
 
 
 def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:

@@ -1,7 +1,6 @@
 """LCTGen's placement: from a scenario code and a map to vehicles on it, by the heads that were trained with the motion."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import torch
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, rotate
 from drivegen.core.scenario import TARGET, Scenario, SizeSource, Vehicles
-from drivegen.generators._lctgen.learning import SCALES
+from drivegen.generators._lctgen.learning import SCALES, around_targets
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators.shared.vectors import AGENTS, Scenes
 
@@ -33,7 +32,7 @@ def place(net: LctgenNet, scenario: Scenario, code: NDArray[np.int64], rng: np.r
     count = len(code)
     if count > AGENTS:
         raise UnusableInput(f"a code of {count} vehicles; LCTGen places {AGENTS} at most")
-    scenes = Scenes.of([replace(scenario, vehicles=scenario.vehicles[[TARGET]], log=None)])
+    scenes = around_targets([scenario])
     scenes.present[0, :count] = True
     padded = np.zeros((1, AGENTS, code.shape[1]), np.int64)
     padded[0, :count] = code

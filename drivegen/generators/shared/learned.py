@@ -8,7 +8,7 @@ rival anew.
 import copy
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, Self
@@ -162,7 +162,7 @@ class Learned(ABC):
         """By their own names, generators with these very weights that are told some of what happened: bounds, no methods."""
         return {}
 
-    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+    def placements(self, logs: Iterable[Scenario], seed: int) -> dict[str, Placement]:
         """Its ways to place vehicles, a bound's among them, by their titles in tables; none unless `Method.places`.
 
         `logs` of the train split may be drawn from.
