@@ -18,6 +18,7 @@ from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs, nearest
+from drivegen.generators.trafficgen import _around_target, _look
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -221,6 +222,17 @@ def test_the_vehicles_that_are_to_be_placed_are_those_not_given():
     assert ((found[:, 0] >= 0) & (found[:, 0] <= 1)).all()
     assert (found[:, 1].abs() < 2.5).all()
     assert len(set(wanted.region[wanted.there].tolist())) == len(found)
+
+
+def test_there_are_regions_as_far_as_scenes_reach():
+    """Of a road of twelve lanes: whoever is logged 145 m from the target could be placed there."""
+    generator, _, _ = trained("trafficgen")
+    roads = straight_road(400.0, 12)
+    places = [(0, 200.0), (0, 55.0), (5, 345.0), (11, 60.0), (11, 340.0)]
+    scene = scenario(roads, stack([drive(roads.centreline[lane].astype(np.float64), s, 0.0, 11) for lane, s in places]))
+    counts = _around_target(generator.settings)
+    _, wanted = PlacementExamples(Logs.of([scene], generator.settings.piece), counts).of(np.array([0]), np.array([0.0]))
+    assert wanted.there.sum() == len(places) - 1
 
 
 def test_vehicles_are_placed_on_lanes_around_the_target_and_overlap_nobody():

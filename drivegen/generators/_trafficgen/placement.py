@@ -3,7 +3,7 @@
 What is the paper's: pieces of lanes are the regions; boxes placed so far are encoded by context gating, then the regions in
 their context; each region has odds of holding one more vehicle, and a mixture for where on it, how turned, how fast and how
 large; who overlaps is drawn anew. What is reduced: one mixture of independent Gaussians for all attributes together instead
-of one each, and as many regions as `placement_lanes` says.
+of one each, and as many regions as `placement_lanes` says: they have to reach as far as vehicles of the logs stand.
 """
 
 from dataclasses import fields, replace
