@@ -62,10 +62,11 @@ class Taught:
 
     def tensors(self, rows: NDArray[np.integer], device: torch.device) -> "_Tensors":
         """Scenes, the same with the roads around their targets, codes, actions seen, pieces and attributes of `rows` (b,)."""
-        arrays = (self.points, self.road, self.drawn, self.code, self.seen, self.piece, self.attributes)
-        points, road, drawn, *rest = (torch.from_numpy(a[rows]).to(device) for a in arrays)
+        around, taught = (self.points, self.road, self.drawn), (self.code, self.seen, self.piece, self.attributes)
+        points, road, drawn = (torch.from_numpy(a[rows]).to(device) for a in around)
+        code, seen, piece, attributes = (torch.from_numpy(a[rows]).to(device) for a in taught)
         scenes = self.scenes[rows].tensors(device)
-        return scenes, replace(scenes, points=points, piece=road, drawn=drawn), *rest
+        return scenes, replace(scenes, points=points, piece=road, drawn=drawn), code, seen, piece, attributes
 
 
 def around_targets(scenarios: Sequence[Scenario]) -> Scenes:
