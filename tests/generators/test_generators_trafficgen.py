@@ -18,7 +18,7 @@ from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs, nearest
-from drivegen.generators.trafficgen import _around_target, _look
+from drivegen.generators.trafficgen import _around_target
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
