@@ -16,7 +16,7 @@ _LANES |= {"left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}
 _LANES |= dict.fromkeys(("cross", "crossing", "roundabout"), ("side_lanes",))
 _LENGTHS = ("leg_length", "road_length", "side_length", "length")
 _OF_THE_ROAD = ("diameter", "spacing", "median", "lane_width", "ring_lanes", "ring_speed")
-BEHIND = 150.0
+_BEHIND = 150.0
 """So much road [m] is left behind the last that happens along it."""
 _SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
@@ -91,17 +91,19 @@ class Edit:
 
     def _added(self, name: str) -> Road:
         """A new ramp or change of lanes, where it is said to be, else behind all that is there."""
-        events, kind = self._events(), "on_ramp" if name == "ramp" else name
+        events = self._events()
+        if name == "ramp":
+            raise Unfit("say whether it is an on-ramp or an off-ramp")
         last = max((event["position"] + event["length"] for event in events), default=130.0)
-        position, lane = self.thing.value("position") or last + 120.0, AUXILIARY.get(kind, 0.0)
-        if kind == "off_ramp":  # it is said to be where it leaves
+        position, lane = self.thing.value("position") or last + 120.0, AUXILIARY.get(name, 0.0)
+        if name == "off_ramp":  # it is said to be where it leaves
             lane = max(SHORTEST, min(lane, position - SHORTEST)) if self.thing.has("position") else lane
             position -= lane if self.thing.has("position") else 0.0
-        usual = HighwayEvent.model_construct(kind=kind, position=position).model_dump(mode="json", exclude={"side"})
+        usual = HighwayEvent.model_construct(kind=name, position=position).model_dump(mode="json", exclude={"side"})
         new: Road = usual | ({"length": lane} if lane else {})  # its side is the outer one, unless it is said
         self.road["events"] = sorted([*events, new], key=lambda event: event["position"])
         line = self.road["alignment"]
-        line["length"] = max(line["length"], position + lane + BEHIND)
+        line["length"] = max(line["length"], position + lane + _BEHIND)
         return new
 
     def _changes_of_lanes(self) -> None:
@@ -222,7 +224,7 @@ class Edit:
             part["position"] += moved
         if moved and first is not None:
             line = self.road["alignment"]
-            line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + BEHIND)
+            line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + _BEHIND)
         elif moved:
             raise Unfit("there is nothing along this road that could be moved")
 

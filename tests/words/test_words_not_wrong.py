@@ -38,6 +38,7 @@ from tests.words.test_words_read import KMH, declined
         ("a T-junction", "right turn lane on the east arm", "no road leads to the right for who comes over the east arm"),
         ("a motorway", "add a lane gain at 700 m with two lanes", "whether 'two lanes' is of the road"),
         ("a motorway with an off-ramp", "move the second off-ramp to 900 m", "no second 'offramp'"),
+        ("a motorway", "add a ramp at 400 m", "an on-ramp or an off-ramp"),
         ("a T-junction", "add a fourth arm", "arms more than there are"),
         ("a motorway", "add an off-ramp 300 m from the end", "counted from the end"),
     ],
