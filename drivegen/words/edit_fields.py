@@ -44,6 +44,7 @@ class Edit:
             which = f"{SLOTS['nth'].speak(self.thing.which)} " if isinstance(self.thing.which, int) else ""
             raise Unfit(f"this road has no {which}{self.thing.text!r}")
         self._lanes(parts)
+        self._lanes_in_and_out(parts)
         self._speed(parts, name)
         self._control()
         self._turn_lanes(parts, name)
@@ -59,12 +60,17 @@ class Edit:
             return self._named_events(name)
         if arms:
             which = self.thing.which
-            some = {"main": [a for a in arms if a["main"]], "side": [a for a in arms if not a["main"]], "ring": [road]}
+            even = self.kind == "crossing" and all(a["main"] for a in arms)
+            some = {
+                "main": [a for a in arms if a["main"] and not even],
+                "side": [a for a in arms if not a["main"]],
+                "ring": [road],
+            }
             if isinstance(which, float):
                 some["arm"] = [a for a in arms if abs(math.remainder(a["angle"] - which, 360.0)) < 1.0]
             return self.thing.among(some.get(name, arms if name in ("", "street", "arm", "crossing", "roundabout") else []))
         if name in ("side", "cross"):
-            return list(road.get("junctions", []))
+            return self.thing.among(list(road.get("junctions", [])))
         if name in ("crossing", "roundabout"):
             return self.thing.among([j for j in road.get("junctions", []) if j["form"] == name])
         fits = name in ("", "street", "main", self.kind) or (name == "highway" and self.kind != "corridor")
@@ -72,7 +78,10 @@ class Edit:
 
     def _named_events(self, name: str) -> list[Road]:
         kinds = _RAMPS if name == "ramp" else (name,)
-        return self.thing.among([event for event in self.road.get("events", []) if event["kind"] in kinds])
+        found = self.thing.among([event for event in self.road.get("events", []) if event["kind"] in kinds])
+        if len(found) > 1 and self.thing.definite and self.thing.which is None and not self.thing.text.endswith("s"):
+            raise Unfit(f"there are several: say which {self.thing.text!r} is meant")
+        return found
 
     def _events(self) -> list[Road]:
         if self.kind != "highway":
@@ -140,10 +149,22 @@ class Edit:
             return
         for part in parts:
             for name in _LANES.get(self.thing.name, ("lanes", "lanes_back", "lanes_in", "lanes_out")):
+                if part.get(name) == 0 and self.thing.has("lanes_each"):
+                    raise Unfit("a one-way road has no lanes in the other direction")
                 if not (value := part.get(name)):
                     continue
+                if value <= (fewer or 0):
+                    raise Unfit("so many lanes are not there in each direction")
                 number = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
                 part[name] = number if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
+
+    def _lanes_in_and_out(self, parts: list[Road]) -> None:
+        for way in ("lanes_in", "lanes_out"):
+            value = self.thing.value(way)
+            if value is not None and not any(way in part for part in parts):
+                raise Unfit("no lanes lead in and out here")
+            for part in parts if value is not None else ():
+                part[way] = value
 
     def _speed(self, parts: list[Road], name: str) -> None:
         if (speed := self.thing.value("speed", "ramp_speed")) is None:
@@ -181,9 +202,11 @@ class Edit:
             place["control"] = control or "yield"
 
     def _turn_lanes(self, parts: list[Road], name: str) -> None:
-        none = bool(self.thing.value("no_turn_lanes"))
+        texts = [fact.text for fact in self.thing.facts if fact.name == "no_turn_lanes"]
+        sides = [side for side in ("left", "right") if any(side in text for text in texts)]
+        none = {f"{side}_turn_lanes": 0 for side in sides or ("left", "right")} if self.thing.value("no_turn_lanes") else {}
         rows = parts if name in ("crossing", "roundabout") else self.road.get("junctions", [])
-        new = turning([self.thing], {"left_turn_lanes": 1}, "turn_bans") | (dict(_NO_TURN_LANES) if none else {})
+        new = turning([self.thing], {"left_turn_lanes": 1}, "turn_bans") | none
         for which in ("main", "side"):
             for side in self.thing.values(f"{which}_turn_bans"):
                 field = "side_turn_bans" if which == "side" and self.kind == "corridor" else "turn_bans"
@@ -219,9 +242,10 @@ class Edit:
             raise Unfit("there is no bend here")
         moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)
         everything: list[Road] = self.road.get("events") or self.road.get("junctions") or []
-        first = min((everything.index(part) for part in parts if part in everything), default=None) if moved else None
-        for part in everything[first:] if first is not None else []:
-            part["position"] += moved
+        these = [i for i, one in enumerate(everything) if any(one is part for part in parts)] if moved else []
+        for i in these:
+            everything[i]["position"] += moved
+        first = these[0] if these else None
         if moved and first is not None:
             line = self.road["alignment"]
             line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + _BEHIND)
@@ -229,6 +253,9 @@ class Edit:
             raise Unfit("there is nothing along this road that could be moved")
 
     def _numbers(self, parts: list[Road]) -> None:
+        own = self.thing.which is not None or self.thing.name in ("main", "side", "cross", "arm")
+        if own and any(self.thing.has(name) for name in ("lane_width", "median", "spacing")):
+            raise Unfit("this can be said of the whole road only")
         fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
         for name, field in {**fields, **{name: name for name in _OF_THE_ROAD}}.items():
             only_ramp = self._ramps() if name == "auxiliary" and not self.thing.name and len(self._ramps()) == 1 else None

@@ -164,7 +164,7 @@ class Walk:
             for fact, holder in self.segment:
                 if fact.value in _GIVES_WAY and thing.name in _ROADS and not _SIDE_ROADS & set(fact.text.split()):
                     raise Unfit(f"say by main and side road where {fact.text!r} is")
-                if thing.name in fact.scope or "*" in fact.scope:
+                if thing.can_hold(fact):
                     holder.facts.remove(fact)
                     thing.facts.append(fact)
         else:
@@ -183,6 +183,8 @@ class Walk:
             raise Unfit(f"where {subject.text!r} is can be said as seen from the target only, not by {text!r}")
         if subject.name == "vehicle" and thing.name in _OTHERS[:3] and self.mark not in _LISTED:
             raise Unfit(f"it is not clear whether {text!r} is among {subject.text!r}")
+        if self.mark in ("including", "include") and subject.name in _OTHERS and thing.name in MOVING:
+            raise Unfit(f"it is not clear how many are there beside {text!r}")
 
     def _kind(self, item: Item, phrase: Phrase) -> str:
         """What a noun names: itself, or of "the second one" and "two on the right" what was counted before."""
@@ -202,7 +204,7 @@ class Walk:
     def _ahead_of_noun(self, thing: Thing) -> None:
         """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
         again = thing in self.sentence and any(fact.text.endswith("before") for fact in self.fronted)
-        if again or any(not _can_hold(thing, fact) for fact in self.fronted):
+        if again or any(not thing.can_hold(fact) for fact in self.fronted):
             raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
         thing.facts += self.fronted
         self.fronted = []
@@ -233,6 +235,10 @@ class Walk:
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
         nothing = self.segment and self.segment[-1][0].name.startswith(("no_", "straight"))  # "no ramps for 2 km"
+        placed = bool(self.segment) and self.segment[-1][0].name == "position"
+        second = placed and self.mark == "and" and "long" not in fact.text  # "an on-ramp at 500 m and 1500 m"
+        if second and fact.name == "length":
+            raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         if self.mark in ("at", "for") and fact.name == "length" and not nothing:
             raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
         led = bool(self.det) or self.mark in words("prepositions")
@@ -290,7 +296,7 @@ class Walk:
         vehicles = fact.name == "branch_lanes" and "lane" not in fact.text and self.scene.there(*MOVING)  # "one left, one right"
         if side_roads or vehicles or (self.mark == "including" and fact.name in _TURN_LANES):
             raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")
-        if self.det in ("my", "our") and fact.name in ("speed", "pace") and not _is_limit(fact):
+        if self.det in ("my", "our") and fact.name in ("speed", "pace") and not fact.is_limit:
             raise Unfit("a speed of the target is said so: the target is driving at 50 km/h")
         first = self.subject is not None and self.subject.name in _ROADS[1:] and not self.comma and self.mark != "and"
         if first and fact.value in _GIVES_WAY and not _SIDE_ROADS & set(fact.text.split()):
@@ -314,10 +320,11 @@ class Walk:
 
     def _seen_from_target(self, i: int) -> None:
         """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
+        passed = words("determiners") | words("prepositions") | {"of"}
         for item in self.items[i + 1 :]:
             if item.text in ("it", "them") or item.phrase.name in _OTHERS:
                 raise Unfit(f"where vehicles are and whom they overtake is said of the target only, not of {item.raw!r}")
-            if item.phrase.kind == "thing" or (item.phrase is WORD and item.text not in words("determiners") | {"of", "to"}):
+            if item.phrase.kind == "thing" or (item.phrase is WORD and item.text not in passed):
                 return
 
     def _before_noun(self, i: int, fact: Fact) -> bool:
@@ -344,7 +351,7 @@ class Walk:
     def _holder(self, i: int, fact: Fact) -> Thing:
         subject, whole = self.subject or Thing(""), "" in fact.scope
         one = isinstance(subject.which, int) or subject.name in MOVING
-        if one and not (self.comma or _can_hold(subject, fact) or _is_limit(fact)):
+        if one and not (self.comma or subject.can_hold(fact) or fact.is_limit):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         self._not_the_roads(subject, fact)
         if self.shared and subject.name in _SINGLE and not subject.has("count"):
@@ -354,9 +361,9 @@ class Walk:
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both
-        holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
+        holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and t.can_hold(fact)]
         of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
-        apart = self.comma or (self.mark == "and" and _is_limit(fact) and not self.described)
+        apart = self.comma or (self.mark == "and" and fact.is_limit and not self.described)
         if apart and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
             fact.loose = holds[0].name
             return self.scene.whole
@@ -364,15 +371,15 @@ class Walk:
             return holds[0]
         if whole:
             return self.scene.whole
-        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact) and thing.name not in MOVING]
+        earlier = [thing for thing in reversed(self.scene.things) if thing.can_hold(fact) and thing.name not in MOVING]
         if len({thing.name for thing in earlier}) == 1:
             return earlier[0]
         raise Unfit(f"it is not clear what {fact.text!r} belongs to")
 
     def _not_the_roads(self, ramp: Thing, fact: Fact) -> None:
         """Raises Unfit for what a ramp has, or its road: "motorway on-ramp: 2 lanes", "an exit and two lanes"."""
-        new = ramp.name.endswith("ramp") and not ramp.definite and fact.name in ("lanes", "speed") and _can_hold(ramp, fact)
-        added = self.mark == "and" and not self.described and not _is_limit(fact)
+        new = ramp.name.endswith("ramp") and not ramp.definite and fact.name in ("lanes", "speed") and ramp.can_hold(fact)
+        added = self.mark == "and" and not self.described and not fact.is_limit
         alone = ramp.text.startswith(("motorway", "highway", "freeway")) and not self.scene.there("highway", "street", "main")
         if new and (self.sticky or added or alone):
             raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
@@ -384,15 +391,6 @@ class Walk:
             if item.phrase.kind == "thing" and item.phrase.name not in traffic_names():
                 return True
         return False
-
-
-def _is_limit(fact: Fact) -> bool:
-    """Whether a speed is called a limit, as that of a road is: "a limit of 50 km/h", not "50 km/h"."""
-    return fact.name == "speed" and "limit" in fact.text
-
-
-def _can_hold(thing: Thing, fact: Fact) -> bool:
-    return thing.name in fact.scope or "*" in fact.scope
 
 
 def scene_of(items: Iterable[Item]) -> Scene:

@@ -36,6 +36,11 @@ class Fact:
     used: bool = False
     loose: str = ""
 
+    @property
+    def is_limit(self) -> bool:
+        """Whether a speed is called a limit, as that of a road is: "a limit of 50 km/h", not "50 km/h"."""
+        return self.name == "speed" and "limit" in self.text
+
 
 @dataclass(eq=False)
 class Thing:
@@ -78,6 +83,10 @@ class Thing:
         if self.which == 0:
             return items[len(items) // 2 :][: len(items) % 2]
         return items[self.which - 1 : self.which] if self.which > 0 else items[-1:]
+
+    def can_hold(self, fact: Fact) -> bool:
+        """Whether the fact may be said of it."""
+        return self.name in fact.scope or "*" in fact.scope
 
     @property
     def several(self) -> bool:

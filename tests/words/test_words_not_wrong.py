@@ -39,6 +39,13 @@ from tests.words.test_words_read import KMH, declined
         ("a motorway", "add a lane gain at 700 m with two lanes", "whether 'two lanes' is of the road"),
         ("a motorway with an off-ramp", "move the second off-ramp to 900 m", "no second 'offramp'"),
         ("a motorway", "add a ramp at 400 m", "an on-ramp or an off-ramp"),
+        ("a motorway with two on-ramps", "80 km/h on the on-ramp", "say which 'onramp' is meant"),
+        ("a motorway with an off-ramp", "add a lane on the off-ramp", "how many lanes the ramp has"),
+        ("a crossing", "80 km/h on the main road", "no 'main road'"),
+        ("a crossing", "lanes 3 m wide on the first arm", "of the whole road only"),
+        ("a crossing with left-turn lanes", "right-turn lanes instead of left-turn lanes", "'instead'"),
+        ("a three-lane motorway", "increase by two lanes", "by two lanes"),
+        ("a road with two lanes ahead and one back", "remove a lane", "so many lanes are not there"),
         ("a T-junction", "add a fourth arm", "arms more than there are"),
         ("a motorway", "add an off-ramp 300 m from the end", "counted from the end"),
     ],
@@ -62,6 +69,22 @@ def test_an_edit_at_one_crossing_leaves_the_others(edit, left):
     junctions = edited(read("a street with three crossings", 7).road, edit).road.junctions
     assert [junction.left_turn_lanes for junction in junctions] == left
     assert [bool(junction.turn_bans) for junction in junctions] == ["turns at the" in edit, False, False]
+
+
+def test_what_is_moved_or_set_by_its_number_leaves_the_others():
+    side_roads = read("a street with three side roads 150 m apart", 7).road
+    before = [junction.position for junction in side_roads.road.junctions]
+    moved = edited(side_roads, "move the second side road 20 m downstream").road.junctions
+    assert [junction.position for junction in moved] == [before[0], before[1] + 20, before[2]]
+    slower = edited(side_roads, "30 km/h on the third side road").road.junctions
+    assert [junction.side_speed for junction in slower] == [50 * KMH, 50 * KMH, 30 * KMH]
+    inward = edited(read("a crossing", 7).road, "three lanes in on the first arm").road.arms
+    assert [(arm.lanes_in, arm.lanes_out) for arm in inward] == [(3, 1), (1, 1), (1, 1), (1, 1)]
+
+
+def test_turn_lanes_of_one_side_are_removed_alone():
+    road = edited(read("a crossing with left and right turn lanes", 7).road, "remove the left-turn lanes").road
+    assert {(arm.left_turn_lanes, arm.right_turn_lanes) for arm in road.arms} == {(0, 1)}
 
 
 @pytest.mark.parametrize("form", ["cloverleaf", "diamond interchange"])
@@ -154,6 +177,9 @@ def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
     [
         ("a crossing, two cars from the left, one from the right", "whether 'one' is among the 2"),
         ("a crossing with signals, a car and a bus at the traffic light", "what 'at the traffic light' belongs to"),
+        ("a motorway with an on-ramp at 500 m and 1500 m", "what '1500 m' belongs to"),
+        ("a motorway, six cars including the ego", "how many are there beside 'ego'"),
+        ("a two-lane motorway, a truck cutting in on a car", "of the target only, not of 'car'"),
         ("a motorway, a car and a bus at 80 km/h", "what 'at 80 kmh' belongs to"),
         ("a motorway, a car behind and a truck in front, both at 80 km/h", "of which 'at 80 kmh'"),
         ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
