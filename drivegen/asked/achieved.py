@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 
 from drivegen.asked.goals import Duty, end_of_crossing
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
-from drivegen.core.roadmap import RoadMap
+from drivegen.core.roadmap import NO_LANE, RoadMap
 from drivegen.core.scenario import DT, TARGET, Trajectories, Vehicles
+from drivegen.goals.manoeuvres import U_TURN
 from drivegen.placement.ways import crossed
 from drivegen.placement.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
 from drivegen.roads.frenet import from_frenet, to_frenet
+from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import Route
-from drivegen.words.request import Manoeuvre
+from drivegen.words.request import AT_JUNCTIONS, Manoeuvre
 
 BRAKING = 3.0
 """A vehicle brakes hard when it slows down by more than this [m/s2] over BRAKING_STEPS steps."""
@@ -28,12 +30,18 @@ STANDING = 0.5
 """Slower than this [m/s] a vehicle stands."""
 
 TURNED = np.deg2rad(45)
-"""Whoever has turned heads so far [rad] from where it began."""
+"""Whoever has turned heads so far [rad] behind a junction from where it headed before."""
+
+AROUND = 10
+"""Steps before and after a junction that belong to the turn: a narrow one begins before its junction does."""
 
 INTO = 1.2
 """Who has changed into a lane is this near to its middle [m]; who is out of it at least OUT."""
 
 OUT = 1.9
+
+CLEAR = 2.0
+"""Who has overtaken is more than this ahead [m], centre to centre."""
 
 CHANGED, FARTHER = 2.5, 7.0
 """Who has changed lanes is between these [m] beside its own lane's middle; who is farther away is on another road."""
@@ -112,21 +120,13 @@ def does(
     if duty.manoeuvre is Manoeuvre.STOPPED:
         return bool((track.speed < STANDING).all())
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
-        return bool(hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
-    turned = np.unwrap(track.heading.astype(np.float64)) - track.heading[0]
-    turn = float(turned[:last][-1])  # at the end: whoever enters a ring heads aside for a while, wherever it leaves
-    if duty.manoeuvre is Manoeuvre.TURN_LEFT:
-        return bool(turn > TURNED)
-    if duty.manoeuvre is Manoeuvre.TURN_RIGHT:
-        return bool(turn < -TURNED)
-    if duty.manoeuvre is Manoeuvre.GO_STRAIGHT:
-        return abs(turn) < TURNED and _gets_over(own_routes, road_map, track, last)
+        leads = duty.vehicle == TARGET or _leads(target_routes, track)
+        return bool(leads and hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
+    if duty.manoeuvre in AT_JUNCTIONS:
+        return _at_junction(duty.manoeuvre, track, target_routes, own_routes, road_map, last)
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
         return bool(own_routes) and _lasts(_changed(own_routes, track, side)[:last])
-    if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
-        across = any(_crosses(route, track, last) for route in target_routes)
-        return bool(turn > TURNED and across)
     return bool(target_routes) and _before_target(duty, track, target, target_routes[0], last)
 
 
@@ -157,6 +157,45 @@ def _changed(routes: Sequence[Route], track: Trajectories, side: float) -> NDArr
     return beside & ~on
 
 
+def _leads(routes: Sequence[Route], track: Trajectories) -> bool:
+    """Whether a vehicle begins ahead on one of the target's `routes`."""
+    places = [to_frenet(route, track.position[:1])[0] for route in routes]
+    return any(abs(d) < OUT and s > 0 for s, d in places)
+
+
+def _at_junction(
+    manoeuvre: Manoeuvre,
+    track: Trajectories,
+    target_routes: Sequence[Route],
+    own_routes: Sequence[Route],
+    road_map: RoadMap,
+    last: int,
+) -> bool:
+    """Whether a vehicle turns so at a junction, or gets over it without a turn, within its first `last` steps."""
+    turn = _turned(track, road_map, last)
+    if manoeuvre is Manoeuvre.GO_STRAIGHT:
+        return abs(turn) < TURNED and _gets_over(own_routes, road_map, track, last)
+    if manoeuvre is Manoeuvre.TURN_RIGHT:
+        return -U_TURN < turn < -TURNED
+    left = TURNED < turn < U_TURN
+    if manoeuvre is Manoeuvre.TURN_LEFT:
+        return left
+    return left and any(_crosses(route, track, last) for route in target_routes)
+
+
+def _turned(track: Trajectories, road_map: RoadMap, last: int) -> float:
+    """How far [rad] a vehicle has turned to the left from its first junction to its last one; bends elsewhere are no turns.
+
+    A way round a ring leads through several junctions: what it turns into and what it turns out of count together.
+    """
+    lane, _ = LaneGraph.of(road_map).nearest(track.position[:last], track.heading[:last], max_angle=ALIKE)
+    inside = np.flatnonzero((lane != NO_LANE) & road_map.in_junction[lane])
+    if not len(inside):
+        return 0.0
+    heading = np.unwrap(track.heading[:last].astype(np.float64))
+    return float(heading[min(inside[-1] + AROUND, last - 1)] - heading[max(inside[0] - AROUND, 0)])
+
+
 def _gets_over(routes: Sequence[Route], road_map: RoadMap, track: Trajectories, last: int) -> bool:
     """Whether a vehicle is beyond a junction on one of its own ways that others cross there."""
     across = crossed(road_map)
@@ -180,9 +219,13 @@ def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route:
     s, d = to_frenet(route, track.position[:both]).T
     own, _ = to_frenet(route, target.position[:both]).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
-        before = (np.abs(d) < INTO) & (s > own) & _heads_along(route, s, track.heading[:both])
-        return bool(abs(d[0]) > OUT) and _lasts(before[:last])
-    return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())
+        along = _heads_along(route, s, track.heading[:both])
+        before = (np.abs(d) < INTO) & (s > own) & along
+        return bool(along[0] and OUT < abs(d[0]) < FARTHER) and _lasts(before[:last])
+    if s[0] >= own[0]:
+        return False
+    passed = int(np.flatnonzero(s <= own + CLEAR)[-1]) + 1  # ahead from there to the end
+    return passed < min(last, both) and bool(abs(d[passed]) < FARTHER)
 
 
 def hardest_braking(track: Trajectories) -> NDArray[np.float32]:

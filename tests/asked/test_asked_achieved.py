@@ -6,14 +6,14 @@ import pytest
 from drivegen.asked.achieved import does, stands
 from drivegen.asked.goals import Duty
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Trajectories
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.placement.ways import crossed
 from drivegen.placement.where import Relation
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import Route
 from drivegen.roads.routes import feasible_routes
 from drivegen.words.request import Manoeuvre
-from tests.scenes import beside, crossing, drive, joined, road_map, scenario, stack
+from tests.scenes import beside, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 CROSSING = crossing()
 STRAIGHT, FROM_LEFT, FROM_RIGHT = ((0, 8, 4), (3, 17, 7), (1, 11, 5))
@@ -74,6 +74,79 @@ def test_whoever_drives_straight_on_through_a_ring_has_turned_to_neither_side():
 @pytest.mark.parametrize(("lanes", "turn"), [((0, 9, 5), Manoeuvre.TURN_LEFT), ((0, 10, 7), Manoeuvre.TURN_RIGHT)])
 def test_whoever_leaves_a_crossing_to_a_side_has_turned(lanes, turn):
     assert turns(way(lanes, 40, 9)) == {turn}
+
+
+@pytest.mark.parametrize(("side", "turn"), [(1.0, Manoeuvre.TURN_LEFT), (-1.0, Manoeuvre.TURN_RIGHT)])
+def test_along_a_bend_without_a_junction_nobody_turns(side, turn):
+    bend = arc(60.0, side)
+    both = stack([drive(bend, 0, 8, 101), drive(bend, 20, 12, 101)])
+    assert abs(np.ptp(np.unwrap(both.heading[1]))) > np.deg2rad(80)
+    assert not does(Duty(1, turn, None), both, (), (), road_map([bend]))
+
+
+@pytest.mark.parametrize("corner", [0.0, np.deg2rad(80)])
+def test_a_bend_behind_a_junction_neither_makes_a_turn_nor_undoes_one(corner):
+    turned = np.array([[np.cos(corner), np.sin(corner)], [-np.sin(corner), np.cos(corner)]])
+    into = np.array([[-60.0, 0.0], [0.0, 0.0]])
+    through = arc(12.0, 1.0, 18.0) if corner else np.array([[0.0, 0.0], [18.0, 0.0]])
+    bend = np.array([25.0, 0.0]) + arc(40.0, -1.0 if corner else 1.0, 100.0)
+    out = through[-1] + np.concatenate([np.zeros((1, 2)), bend]) @ turned
+    roads = road_map([into, through, out], links=[(0, 1), (1, 2)], in_junction=[1])
+    track = drive(np.concatenate([into, through[1:], out[1:]]), 40, 11, 101)
+    assert abs(track.heading[-1] - corner) > np.deg2rad(60)
+    assert does(Duty(1, Manoeuvre.TURN_LEFT, None), stack([track, track]), (), (), roads) == bool(corner)
+
+
+def test_who_turns_round_has_not_turned_left():
+    angle = np.linspace(0, np.pi, 20)
+    half = np.stack([5 * np.sin(angle), -5 * np.cos(angle)], axis=1)
+    line = np.concatenate([[[-60.0, -5.0]], half, [[-60.0, 5.0]]])
+    track = drive(line, 30, 6, 101)
+    assert turns(track) == set()
+
+
+THREE_LANES = straight_road(600, 3)
+
+
+def abreast(lane: float, start: float, *pace: float) -> Trajectories:
+    """A car beside lane 0 by so many lanes, which goes from one speed [m/s] to the next, evenly over 10 s."""
+    speed = np.interp(np.linspace(0, len(pace) - 1, 101) if len(pace) > 1 else np.zeros(101), np.arange(len(pace)), pace)
+    x = start + np.concatenate([[0.0], np.cumsum(speed[:-1] * DT)])
+    flat = np.zeros(101)
+    position, velocity = np.stack([x, flat + lane * 3.5], axis=1), np.stack([speed, flat], axis=1)
+    return Trajectories(*(a.astype(np.float32) for a in (position, flat, velocity)), np.ones(101, np.bool_))
+
+
+def did(manoeuvre: Manoeuvre, other: Trajectories, within: float | None = None) -> bool:
+    """Whether the other car did so to one that keeps lane 0 at 8 m/s."""
+    target = abreast(0, 60, 8)
+    own = keeping(THREE_LANES, other)
+    return does(Duty(1, manoeuvre, within), stack([target, other]), keeping(THREE_LANES, target), own, THREE_LANES)
+
+
+def test_who_falls_behind_again_or_passes_on_another_road_has_not_overtaken():
+    assert did(Manoeuvre.OVERTAKE, abreast(1, 50, 14))
+    assert not did(Manoeuvre.OVERTAKE, abreast(1, 50, 14), within=1.0)
+    assert not did(Manoeuvre.OVERTAKE, abreast(1, 50, 16, 14, 0, 0, 0))
+    assert not did(Manoeuvre.OVERTAKE, abreast(17, 50, 14))
+    assert not did(Manoeuvre.OVERTAKE, abreast(1, 80, 14))
+
+
+def test_who_brakes_behind_the_target_or_beside_it_is_not_its_leader():
+    braking = (12, 12, 0, 0)
+    assert did(Manoeuvre.HARD_BRAKING, abreast(0, 90, *braking))
+    assert not did(Manoeuvre.HARD_BRAKING, abreast(0, 20, *braking))
+    assert not did(Manoeuvre.HARD_BRAKING, abreast(1, 90, *braking))
+    alone = stack([abreast(0, 60, *braking)])
+    assert does(Duty(0, Manoeuvre.HARD_BRAKING, None), alone, (), (), THREE_LANES)
+
+
+def test_who_comes_out_of_a_side_road_does_not_cut_in():
+    angle = np.linspace(0, np.pi / 2, 12)
+    corner = np.stack([230 + 12 * (1 - np.cos(angle)), -12 + 12 * np.sin(angle)], axis=1)
+    for begins in (-60.0, -17.0):  # the second one is as near to the target's way as a lane beside it
+        side_road = np.concatenate([[[230.0, begins]], corner, [[500.0, 0.0]]])
+        assert not did(Manoeuvre.CUT_IN, drive(side_road, 12 if begins > -20 else 20, 9, 101))
 
 
 def goes_straight(roads: RoadMap, track: Trajectories, within: float | None = None) -> bool:
