@@ -4,7 +4,7 @@ Nothing here knows how a request was placed or which goals were drawn; routes se
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from drivegen.placement.ways import crossed
 from drivegen.placement.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
 from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.graph import LaneGraph
-from drivegen.roads.line import Route
+from drivegen.roads.line import SPACING, Route
 from drivegen.words.request import AT_JUNCTIONS, Manoeuvre
 
 BRAKING = 3.0
@@ -46,6 +46,9 @@ CLEAR = 2.0
 CHANGED, FARTHER = 2.5, 7.0
 """Who has changed lanes is between these [m] beside its own lane's middle; who is farther away is on another road."""
 
+HALF_LANE = (1.4, 2.5)
+"""Half of a lane's width [m] is taken for no less and no more; who is between one and three of them aside is in the next lane."""
+
 ALONG = np.deg2rad(30)
 """Who is in a lane heads along it, within this [rad]; who crosses it or turns off does not."""
 
@@ -59,7 +62,7 @@ SLACK = 1.0
 def stands(
     routes: Sequence[Sequence[Route]], vehicles: Vehicles, vehicle: int, relation: Relation, distance: float | None
 ) -> bool:
-    """Whether a vehicle stands in `relation` to the target; each vehicle's routes in its lane tell what is ahead on its road."""
+    """Whether a vehicle stands in `relation` to the target; its routes tell what is ahead or beside on its road."""
     pose = vehicles.position[TARGET], vehicles.heading[TARGET]
     x, y = to_vehicle_frame(vehicles.position[vehicle][None], *pose)[0]
     turn = float(wrap_angle(vehicles.heading[vehicle] - vehicles.heading[TARGET]))
@@ -74,14 +77,24 @@ def stands(
         follower, leader = (TARGET, vehicle) if relation is Relation.AHEAD else (vehicle, TARGET)
         places = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
         return any(abs(d) < OUT and _near(s, NEAREST - SLACK, FARTHEST + SLACK, distance) for s, d in places)
-    side = 1.0 if relation.value.startswith("left") else -1.0
-    if not 1.5 < side * y < 6.5 or abs(turn) > ALIKE + 0.1:
-        return False
+    beside = _beside(routes, vehicles, vehicle, 1.0 if relation.value.startswith("left") else -1.0)
     if relation.value.endswith("ahead"):
-        return _near(x, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance)
+        return any(_near(s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in beside)
     if relation.value.endswith("behind"):
-        return _near(-x, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance)
-    return _near(abs(x), 0.0, BESIDE + SLACK, distance)
+        return any(_near(-s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in beside)
+    return any(_near(abs(s), 0.0, BESIDE + SLACK, distance) for s in beside)
+
+
+def _beside(routes: Sequence[Sequence[Route]], vehicles: Vehicles, vehicle: int, side: float) -> Iterator[float]:
+    """How far ahead [m] a vehicle in the lane to a `side` of the target's is, below 0 behind: on each way of who follows."""
+    for follower, leader, sign in ((TARGET, vehicle, 1.0), (vehicle, TARGET, -1.0)):
+        for route in routes[follower]:
+            s, d = to_frenet(route, vehicles.position[leader][None])[0].tolist()
+            heading = from_frenet(route, np.array([s]), np.zeros(1))[1][0]
+            alike = abs(wrap_angle(vehicles.heading[leader] - heading)) < ALIKE + 0.1
+            half = np.clip(route.half_width_right[int(np.clip(s / SPACING, 0, len(route.line) - 1))], *HALF_LANE)
+            if s > -SLACK and alike and half < sign * side * d < 3 * half:
+                yield sign * s
 
 
 def _near(along: float, low: float, high: float, distance: float | None) -> bool:

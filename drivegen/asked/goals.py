@@ -97,8 +97,9 @@ def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequ
     A duty that no goal realises, or none of those that duties before it left to its vehicle, changes nothing.
     """
     there = list(choices.candidates)
+    way = keeping(there[TARGET])
     for duty in duties:
-        there[duty.vehicle] = offered(choices.scenario, duty.vehicle, duty.manoeuvre, there[duty.vehicle])
+        there[duty.vehicle] = offered(choices.scenario, duty.vehicle, duty.manoeuvre, there[duty.vehicle], way)
     natural, used = list(choices.natural), list(choices.used)
     if any(len(a) != len(b) for a, b in zip(there, choices.candidates, strict=True)):
         natural = selector.rank(graph, choices.scenario, there)
@@ -109,7 +110,7 @@ def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequ
         calmly = realising(choices.scenario, there, duty)
         realises = calmly if calmly.any() else realising(choices.scenario, there, duty, hastily=True)
         mass.append(float(natural[duty.vehicle][realises].sum()))
-        feasible.append(_narrowed(left, duty.vehicle, realises) and bool(calmly.any()) and _has_room(choices.scenario, duty))
+        feasible.append(_narrowed(left, duty.vehicle, realises) and bool(calmly.any()) and _has_room(choices.scenario, duty, way))
         if duty.vehicle != TARGET and not any(other.vehicle == TARGET for other in duties):
             feasible[-1] = _narrowed(left, TARGET, _target_lets(there[TARGET], choices.scenario, duty)) and feasible[-1]
     used = [_bound(u, allowed) for u, allowed in zip(used, left, strict=True)]
@@ -146,7 +147,7 @@ def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, 
         return np.zeros(len(own), np.bool_)
     s, d = to_frenet(ahead, own.position).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
-        way = Way.CHANGE_LEFT if side_of(scenario, duty.vehicle, duty.manoeuvre) == 1 else Way.CHANGE_RIGHT
+        way = Way.CHANGE_LEFT if side_of(scenario, duty.vehicle, duty.manoeuvre, ahead) == 1 else Way.CHANGE_RIGHT
         return np.asarray((own.manoeuvre == way) & (np.abs(d) < IN_LANE))
     expected = float(scenario.vehicles.speed[TARGET]) * scenario.horizon * DT
     return np.asarray((s > expected + PAST) & (own.manoeuvre != Way.STAY))  # OVERTAKE
@@ -224,9 +225,9 @@ def keeping(candidates: Candidates) -> Route | None:
     return next((route for route in candidates.routes if route.lane_changes == 0), None)
 
 
-def _has_room(scenario: Scenario, duty: Duty) -> bool:
-    """Whether nobody drives beside a vehicle that is to change lanes, on the side that it changes to."""
-    side = side_of(scenario, duty.vehicle, duty.manoeuvre)
+def _has_room(scenario: Scenario, duty: Duty, way: Route | None) -> bool:
+    """Whether nobody drives beside a vehicle that is to change lanes, on the side that it changes to; `way`: the target's."""
+    side = side_of(scenario, duty.vehicle, duty.manoeuvre, way)
     if side is None:
         return True
     vehicles, own = scenario.vehicles, duty.vehicle

@@ -12,8 +12,8 @@ from drivegen.core.geometry import to_vehicle_frame
 from drivegen.core.scenario import DT, TARGET, Scenario
 from drivegen.goals.candidates import SETTLE, Candidates
 from drivegen.goals.manoeuvres import manoeuvres
-from drivegen.roads.frenet import from_frenet
-from drivegen.roads.line import SPACING
+from drivegen.roads.frenet import from_frenet, to_frenet
+from drivegen.roads.line import SPACING, Route
 from drivegen.roads.reach import end_speed
 from drivegen.words.request import Manoeuvre
 
@@ -24,20 +24,24 @@ PACES = (0.7, 0.85, 1.0, 1.15)
 """Who changes lanes may go on at these shares of its speed, so that a gap beside it can be met."""
 
 
-def side_of(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre) -> int | None:
-    """To which side the vehicle changes lanes for its manoeuvre: 1 left, -1 right; None where it stays in its lane."""
+def side_of(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre, way: Route | None) -> int | None:
+    """To which side the vehicle changes lanes for its manoeuvre: 1 left, -1 right; None where it stays in its lane.
+
+    It cuts in from beside the target's `way`, where that has one: in a bend this may be the other side than it is seen on.
+    """
     if manoeuvre is Manoeuvre.CUT_IN:
         seen = scenario.vehicles
-        y = to_vehicle_frame(seen.position[vehicle][None], seen.position[TARGET], seen.heading[TARGET])[0, 1]
-        return -1 if y > 0 else 1
+        place = seen.position[vehicle][None]
+        d = to_frenet(way, place) if way else to_vehicle_frame(place, seen.position[TARGET], seen.heading[TARGET])
+        return -1 if d[0, 1] > 0 else 1
     return {Manoeuvre.CHANGE_LEFT: 1, Manoeuvre.CHANGE_RIGHT: -1}.get(manoeuvre)
 
 
-def offered(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre, given: Candidates) -> Candidates:
-    """The candidates of `vehicle`, with more that serve its manoeuvre where that has any of its own."""
+def offered(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre, given: Candidates, way: Route | None) -> Candidates:
+    """The candidates of `vehicle`, with more that serve its manoeuvre where that has any of its own; `way`: the target's."""
     if manoeuvre is Manoeuvre.HARD_BRAKING:
         return _with_stop(scenario, vehicle, given)
-    side = side_of(scenario, vehicle, manoeuvre)
+    side = side_of(scenario, vehicle, manoeuvre, way)
     return given if side is None else _with_changes(scenario, vehicle, given, side)
 
 

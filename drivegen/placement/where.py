@@ -27,6 +27,9 @@ ALIKE = np.deg2rad(45)
 _LANE = (2.0, 5.5)
 """A lane beside another is this far to its side [m]."""
 
+_NEXT = 4.0
+"""Who is beside a way is no farther along it than this [m] from where somebody can stand on it."""
+
 _OPPOSITE_SIDE = 40.0
 """Oncoming vehicles are at most this far to the side of the target's heading [m]."""
 
@@ -100,12 +103,36 @@ def standing(slots: Slots, target: int, relation: Relation, distance: float | No
         across = np.abs(turn + side * np.pi / 2) < ALIKE
         return np.asarray(across & (side * y > NEAREST) & (side * y < FARTHEST) & (x > 0) & _within(x, 0.0, FARTHEST, distance))
     side = 1.0 if relation.value.startswith("left") else -1.0
-    beside = (np.abs(turn) < ALIKE) & (side * y > _LANE[0]) & (side * y < _LANE[1]) & (slots.lane != slots.lane[target])
+    reach = max(FARTHEST / 2, (1 + TOLERANCE_SHARE) * (distance or 0.0) + TOLERANCE) + _NEXT
+    along, aside = _beside_way(slots, target, reach)
+    beside = (side * aside > _LANE[0]) & (side * aside < _LANE[1]) & (slots.lane != slots.lane[target])
     if relation.value.endswith("ahead"):
-        return np.asarray(beside & _within(x, NEAREST, FARTHEST / 2, distance))
+        return np.asarray(beside & _within(along, NEAREST, FARTHEST / 2, distance))
     if relation.value.endswith("behind"):
-        return np.asarray(beside & _within(-x, NEAREST, FARTHEST / 2, distance))
-    return np.asarray(beside & (_within(np.abs(x), 0.0, BESIDE, distance)))
+        return np.asarray(beside & _within(-along, NEAREST, FARTHEST / 2, distance))
+    return np.asarray(beside & (_within(np.abs(along), 0.0, BESIDE, distance)))
+
+
+def _beside_way(slots: Slots, target: int, reach: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far along the way of the slot `target` each slot is (Q,) [m], below 0 behind it, and how far to its left (Q,) [m].
+
+    The way leads through the target's lane without lane changes. Both are measured at the way's nearest slot of about the
+    same heading, so a bend turns neither of them; NaN for slots that lie nowhere along it within `reach` [m].
+    """
+    along, aside = np.full((2, len(slots)), np.nan)
+    ahead, behind = (_driving_distance(slots, target, ahead=forward) for forward in (True, False))
+    driven = np.where(np.isfinite(ahead), ahead, -behind)
+    way = np.flatnonzero(np.abs(driven) <= reach)
+    near = np.flatnonzero(((slots.position - slots.position[target]) ** 2).sum(-1) <= (reach + _LANE[1]) ** 2)
+    alike = np.abs(wrap_angle(slots.heading[near, None] - slots.heading[way])) < ALIKE
+    away = np.where(alike, ((slots.position[near, None] - slots.position[way]) ** 2).sum(-1), np.inf)
+    next_to = way[np.argmin(away, axis=1)]
+    gap, cos, sin = slots.position[near] - slots.position[next_to], np.cos(slots.heading[next_to]), np.sin(slots.heading[next_to])
+    further = gap[:, 0] * cos + gap[:, 1] * sin
+    there = alike.any(axis=1) & (np.abs(further) < _NEXT)
+    along[near[there]] = (driven[next_to] + further)[there]
+    aside[near[there]] = (gap[:, 1] * cos - gap[:, 0] * sin)[there]
+    return along, aside
 
 
 def in_between(slots: Slots, target: int, other: int, relation: Relation) -> NDArray[np.bool_]:

@@ -5,6 +5,7 @@ import pytest
 
 from drivegen.asked.achieved import does, stands
 from drivegen.asked.goals import Duty
+from drivegen.asked.offered import side_of
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.placement.ways import crossed
@@ -17,6 +18,9 @@ from tests.scenes import beside, crossing, drive, joined, road_map, scenario, st
 
 CROSSING = crossing()
 STRAIGHT, FROM_LEFT, FROM_RIGHT = ((0, 8, 4), (3, 17, 7), (1, 11, 5))
+
+
+BESIDE = [Relation(f"{side}{where}") for side in ("left", "right") for where in ("", "_ahead", "_behind")]
 
 
 def way(lanes: tuple[int, ...], start: float, speed: float) -> Trajectories:
@@ -206,3 +210,29 @@ def test_who_comes_from_the_side_is_as_far_away_as_asked(lanes, relation):
     assert stands([[], []], vehicles, 1, relation, None)
     got = [metres for metres in (10.0, 30.0, 50.0, 200.0) if stands([[], []], vehicles, 1, relation, metres)]
     assert got == [50.0]
+
+
+@pytest.mark.parametrize("bend", [1.0, -1.0])
+@pytest.mark.parametrize("far", [25.0, -25.0])
+@pytest.mark.parametrize("lane", [-2, -1, 0, 1, 2])
+def test_in_a_bend_who_is_left_ahead_is_in_the_next_lane_to_the_left(bend, far, lane):
+    middle = arc(60.0, bend, 150.0)
+    lines = [beside(middle, number * 3.2) for number in range(-2, 3)]
+    roads = road_map(lines, neighbours=[(number + 1, number) for number in range(4)])
+    tracks = [drive(lines[2], 60, 8, 101), drive(lines[2 + lane], (60 + far) * (1 - bend * lane * 3.2 / 60), 8, 101)]
+    vehicles = scenario(roads, stack(tracks)).vehicles
+    routes = [keeping(roads, track) for track in tracks]
+    where = "ahead" if far > 0 else "behind"
+    got = {relation for relation in BESIDE if stands(routes, vehicles, 1, relation, None)}
+    assert got == {1: {Relation(f"left_{where}")}, -1: {Relation(f"right_{where}")}}.get(lane, set())
+
+
+@pytest.mark.parametrize("bend", [1.0, -1.0])
+def test_who_cuts_in_from_ahead_in_a_bend_changes_towards_the_targets_lane(bend):
+    middle = arc(60.0, bend, 150.0)
+    lines = [middle, beside(middle, -bend * 3.2)]  # seen from the target, the bend brings the outer lane to the other side
+    tracks = [drive(line, start, 8, 101) for line, start in zip(lines, (20, 52), strict=True)]
+    roads = road_map(lines, neighbours=[(0, 1) if bend > 0 else (1, 0)])
+    scene = scenario(roads, stack(tracks))
+    way = keeping(roads, tracks[0])[0]
+    assert side_of(scene, 1, Manoeuvre.CUT_IN, way) == bend

@@ -14,8 +14,8 @@ from drivegen.placement.place import Placement, Placer, PlaceSettings
 from drivegen.placement.retrieve import Asked, draw_kinds, retrieve
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Provenance, Table, build_table
-from drivegen.placement.where import Relation, Wish
-from tests.scenes import busy_crossing, crossing, road_map, straight_road
+from drivegen.placement.where import Relation, Wish, standing
+from tests.scenes import beside, busy_crossing, crossing, road_map, straight_road
 
 SETTINGS = PlaceSettings(
     mode="paper", road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
@@ -268,3 +268,28 @@ def test_the_target_has_road_ahead_where_the_map_has_it():
         at = np.hypot(*(slots.position - target).T).argmin()
         assert slots.road_ahead[at] >= wanted - 2.0
     assert slots.road_ahead.min() < wanted
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("relation", "lane", "low", "high"),
+    [
+        (Relation.LEFT_AHEAD, 3, 4, 40),
+        (Relation.RIGHT_AHEAD, 1, 4, 40),
+        (Relation.LEFT_BEHIND, 3, -40, -4),
+        (Relation.RIGHT_BEHIND, 1, -40, -4),
+        (Relation.LEFT, 3, -12, 12),
+        (Relation.RIGHT, 1, -12, 12),
+    ],
+)
+def test_in_a_bend_too_who_is_beside_is_in_the_next_lane_on_its_side(side, relation, lane, low, high):
+    angle = np.linspace(0, 3, 121)
+    middle = 60.0 * np.stack([np.sin(angle), side * (1 - np.cos(angle))], axis=1)
+    lines = [beside(middle, (number - 2) * 3.2) for number in range(5)]
+    slots = Slots(road_map(lines, neighbours=[(number + 1, number) for number in range(4)]))
+    target = int(np.flatnonzero(slots.lane == 2)[40])
+    found = np.flatnonzero(standing(slots, target, relation, None))
+    turned = side * wrap_angle(slots.heading[found] - slots.heading[target]) * 60.0  # [m] along the target's lane
+    assert set(slots.lane[found].tolist()) == {lane}
+    assert len(found) >= (high - low) / 2 - 4
+    assert low - 3 < turned.min() < turned.max() < high + 3
