@@ -93,12 +93,13 @@ def _of_group(start: AskedStart, number: int, group: Group, routes: list[list[Ro
     wishes = [start.cast.wishes[n] for n, own in enumerate(start.cast.group) if own == number]
     vehicles, items = start.scenario.vehicles, []
     if group.place is not None:
-        relation = wishes[0].relation or group.place
-        heads = members[:1] if group.queue else members
-        stand = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v in heads)
+        relations = [wish.relation or group.place for wish in wishes]  # who does something stands where that needs it
+        heads = list(zip(members, relations, strict=True))[: 1 if group.queue else None]
+        stand = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v, relation in heads)
         got = stand and None not in members
         distance = f" {group.distance:g} m" if group.distance is not None else ""
-        items.append(Item("place", f"{group.count} x {group.kind.value}{distance} {relation.value.replace('_', ' ')}", got))
+        where = ", ".join(dict.fromkeys(relation.value.replace("_", " ") for _, relation in heads))
+        items.append(Item("place", f"{group.count} x {group.kind.value}{distance} {where}", got))
     if group.queue:
         there = [v for v in members if v is not None]
         items.append(Item("queue", f"{group.count} in a queue", len(there) == len(members) and queued(routes, vehicles, there)))

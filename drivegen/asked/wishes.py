@@ -97,7 +97,8 @@ def cast(
             if asked.manoeuvre is not None and which == 0:
                 orders.append(Order(len(kinds), asked.manoeuvre, asked.within))
             wishes.append(_wish(asked, which, len(kinds), request.speed, random))
-            if left_hand and asked.manoeuvre is Manoeuvre.OVERTAKE and asked.place in (None, Relation.BEHIND):
+            overtakes = which == 0 and asked.manoeuvre is Manoeuvre.OVERTAKE
+            if left_hand and overtakes and asked.place in (None, Relation.BEHIND):
                 wishes[-1] = replace(wishes[-1], relation=Relation.RIGHT_BEHIND)
             kinds.append(asked.kind)
             group.append(number)
