@@ -77,12 +77,12 @@ def stands(
         follower, leader = (TARGET, vehicle) if relation is Relation.AHEAD else (vehicle, TARGET)
         places = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
         return any(abs(d) < OUT and _near(s, NEAREST - SLACK, FARTHEST + SLACK, distance) for s, d in places)
-    beside = _beside(routes, vehicles, vehicle, 1.0 if relation.value.startswith("left") else -1.0)
+    lengths = _beside(routes, vehicles, vehicle, 1.0 if relation.value.startswith("left") else -1.0)
     if relation.value.endswith("ahead"):
-        return any(_near(s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in beside)
+        return any(_near(s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in lengths)
     if relation.value.endswith("behind"):
-        return any(_near(-s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in beside)
-    return any(_near(abs(s), 0.0, BESIDE + SLACK, distance) for s in beside)
+        return any(_near(-s, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance) for s in lengths)
+    return any(_near(abs(s), 0.0, BESIDE + SLACK, distance) for s in lengths)
 
 
 def _beside(routes: Sequence[Sequence[Route]], vehicles: Vehicles, vehicle: int, side: float) -> Iterator[float]:
@@ -187,10 +187,10 @@ def _at_junction(
     """Whether a vehicle turns so at a junction, or gets over it without a turn, within its first `last` steps."""
     turn = _turned(track, road_map, last)
     if manoeuvre is Manoeuvre.GO_STRAIGHT:
-        return abs(turn) < TURNED and _gets_over(own_routes, road_map, track, last)
+        return bool(abs(turn) < TURNED) and _gets_over(own_routes, road_map, track, last)
     if manoeuvre is Manoeuvre.TURN_RIGHT:
-        return -U_TURN < turn < -TURNED
-    left = TURNED < turn < U_TURN
+        return bool(-U_TURN < turn < -TURNED)
+    left = bool(TURNED < turn < U_TURN)
     if manoeuvre is Manoeuvre.TURN_LEFT:
         return left
     return left and any(_crosses(route, track, last) for route in target_routes)
