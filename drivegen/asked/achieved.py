@@ -133,8 +133,7 @@ def does(
     if duty.manoeuvre is Manoeuvre.STOPPED:
         return bool((track.speed < STANDING).all())
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
-        leads = duty.vehicle == TARGET or _leads(target_routes, track)
-        return bool(leads and hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
+        return bool(hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
     if duty.manoeuvre in AT_JUNCTIONS:
         return _at_junction(duty.manoeuvre, track, target_routes, own_routes, road_map, last)
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
@@ -168,12 +167,6 @@ def _changed(routes: Sequence[Route], track: Trajectories, side: float) -> NDArr
             beside |= along & (side * d > CHANGED) & (side * d < FARTHER)
             on |= along & (np.abs(d) <= CHANGED)
     return beside & ~on
-
-
-def _leads(routes: Sequence[Route], track: Trajectories) -> bool:
-    """Whether a vehicle begins ahead on one of the target's `routes`."""
-    places = [to_frenet(route, track.position[:1])[0] for route in routes]
-    return any(abs(d) < OUT and s > 0 for s, d in places)
 
 
 def _at_junction(

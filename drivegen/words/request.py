@@ -43,8 +43,9 @@ class Density(StrEnum):
 class Manoeuvre(StrEnum):
     """What one vehicle does within the scenario; left and right are the vehicle's own.
 
-    CUT_IN: from a lane beside the target's into it, in front of the target. HARD_BRAKING: the leader brakes by more than
-    is comfortable. STOPPED: stands ahead of the target throughout. OVERTAKE: begins behind the target and ends ahead of it.
+    CUT_IN: from a lane beside the target's into it, in front of the target. HARD_BRAKING: brakes by more than is
+    comfortable, ahead of the target unless another place is asked for. STOPPED: stands throughout, ahead likewise. OVERTAKE:
+    begins behind the target and ends ahead of it.
     TURN_LEFT_ACROSS: oncoming, turns left across the target's way. GO_STRAIGHT: straight on over a junction that others cross.
     """
 

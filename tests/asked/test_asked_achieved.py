@@ -136,15 +136,6 @@ def test_who_falls_behind_again_or_passes_on_another_road_has_not_overtaken():
     assert not did(Manoeuvre.OVERTAKE, abreast(1, 80, 14))
 
 
-def test_who_brakes_behind_the_target_or_beside_it_is_not_its_leader():
-    braking = (12, 12, 0, 0)
-    assert did(Manoeuvre.HARD_BRAKING, abreast(0, 90, *braking))
-    assert not did(Manoeuvre.HARD_BRAKING, abreast(0, 20, *braking))
-    assert not did(Manoeuvre.HARD_BRAKING, abreast(1, 90, *braking))
-    alone = stack([abreast(0, 60, *braking)])
-    assert does(Duty(0, Manoeuvre.HARD_BRAKING, None), alone, (), (), THREE_LANES)
-
-
 def test_who_comes_out_of_a_side_road_does_not_cut_in():
     angle = np.linspace(0, np.pi / 2, 12)
     corner = np.stack([230 + 12 * (1 - np.cos(angle)), -12 + 12 * np.sin(angle)], axis=1)
