@@ -36,6 +36,9 @@ _ONE_BRIDGE = 100.0
 _MOST = 5
 """So many pairs are named."""
 
+_MOST_HERE = 50
+"""Samples in one cell at most: every two of them are compared, and no network has nearly as many."""
+
 _LONGEST = 1e6
 """A lane is no longer [m]: its samples would fill the memory."""
 
@@ -49,7 +52,7 @@ def overlapping(root: Element, place: str) -> tuple[str, ...]:
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
     ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
     places: dict[tuple[int, int], Point] = {}
-    for a, b, (x, y), apart in _touching([_samples(edge, place) for edge in edges]):
+    for a, b, (x, y), apart in _touching(edges, place):
         if apart >= _CLEARANCE:
             continue
         shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
@@ -65,9 +68,7 @@ def bridges(root: Element, place: str) -> int:
     edges = [edge for edge in root.iter("edge") if not edge.get("function")]
     if not any(lane.get("shape", "").split(" ", 1)[0].count(",") > 1 for edge in edges for lane in edge.iter("lane")):
         return 0
-    above = {
-        (a, b): middle for a, b, middle, apart in _touching([_samples(edge, place) for edge in edges]) if apart >= _CLEARANCE
-    }
+    above = {(a, b): middle for a, b, middle, apart in _touching(edges, place) if apart >= _CLEARANCE}
     groups: list[list[Point]] = []
     for middle in above.values():
         near = [one for one in groups if any(math.dist(middle, other) < _ONE_BRIDGE for other in one)]
@@ -110,16 +111,19 @@ def _height(lane: Element, place: str) -> float:
     return max(heights, default=0.0)
 
 
-def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Point, float]]:
+def _touching(edges: list[Element], place: str) -> Iterator[tuple[int, int, Point, float]]:
     """Pairs of edges with a place where they touch seen from above, and how far one is above the other there [m].
 
-    Points are sorted into cells, and each is compared with its neighbours.
+    Points are sorted into cells, and each is compared with its neighbours. Raises UnusableInput where a cell is too full.
     """
     cells: defaultdict[tuple[int, int], list[tuple[int, float, float, float]]] = defaultdict(list)
-    for edge, points in enumerate(edges):
+    for edge, points in enumerate(_samples(element, place) for element in edges):
         for (i, j), (x, y, z) in zip(np.floor(points[:, :2] / _TOUCH).astype(int).tolist(), points.tolist(), strict=True):
             cells[i, j].append((edge, x, y, z))
     for (i, j), here in cells.items():
+        if len(here) > _MOST_HERE:
+            said = f"{place}: more than {_MOST_HERE} roads lie on one another near ({here[0][1]:.0f}, {here[0][2]:.0f})"
+            raise UnusableInput(said, reason="bad-map")
         near = [there for di, dj in ((1, -1), (1, 0), (1, 1), (0, 1)) for there in cells.get((i + di, j + dj), ())]
         pairs = [*combinations(here, 2), *((a, b) for a in here for b in near)]
         for (a, ax, ay, az), (b, bx, by, bz) in pairs:

@@ -5,6 +5,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import accumulate, pairwise
 from xml.etree.ElementTree import Element
 
@@ -12,6 +13,9 @@ from drivegen.core.errors import UnusableInput
 
 _LOOP = (225.0, 315.0)
 """A way that turns so far to one side is a loop [degrees]."""
+
+_LONGEST = 1e6
+"""A lane is no longer [m]."""
 
 MOST_WAYS_IN = 200
 """A network that is drawn from a specification has fewer."""
@@ -40,17 +44,27 @@ def read_graph(root: Element, place: str) -> "RoadGraph":
             edge = _edge(element)
         except ValueError:
             name = element.get("id", "")[:40]
-            raise UnusableInput(f"{place}: edge {name!r} has no finite shape, speed and length", reason="bad-map") from None
+            said = f"{place}: edge {name!r} has no finite shape, speed and length (0 to {_LONGEST / 1000:.0f} km)"
+            raise UnusableInput(said, reason="bad-map") from None
         if edge is not None:
             edges[edge.id] = edge
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
+    lanes = [lane for edge in root.iter("edge") if edge.get("function") == "internal" for lane in edge.iter("lane")]
+    return RoadGraph(root, edges, {lane.get("id", ""): _length_within(lane, place) for lane in lanes})
+
+
+def _length_within(lane: Element, place: str) -> float:
+    """The length of a lane within a junction [m], which may be none. Raises UnusableInput where it is no length."""
+    text = lane.get("length", "0")
     try:
-        lanes = (lane for edge in root.iter("edge") if edge.get("function") == "internal" for lane in edge.iter("lane"))
-        within = {lane.get("id", ""): float(lane.get("length", "0")) for lane in lanes}
-    except ValueError as error:
-        raise UnusableInput(f"{place}: a lane within a junction has no length: {error}", reason="bad-map") from None
-    return RoadGraph(root, edges, within)
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not 0 <= length <= _LONGEST:
+        name = lane.get("id", "")[:40]
+        raise UnusableInput(f"{place}: lane {name!r} within a junction has length={text[:40]!r}", reason="bad-map")
+    return length
 
 
 def _edge(element: Element) -> Edge | None:
@@ -61,7 +75,9 @@ def _edge(element: Element) -> Edge | None:
         return None
     shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
     speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
-    if not shape or not all(map(math.isfinite, (speed, length, *(value for point in shape for value in point)))):
+    if not shape or not all(map(math.isfinite, (speed, *(value for point in shape for value in point)))):
+        raise ValueError
+    if not 0 < length <= _LONGEST:  # the search of the longest way would not end among negative lengths
         raise ValueError
     return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
 
@@ -141,29 +157,43 @@ class RoadGraph:
             best = max([best, *(cost[e] for e in out if e in cost)])
         return best
 
-    def turned(self, start: str) -> float:
-        """Degrees turned along the edge and all that follows it as its only way on."""
-        return sum(map(abs, self._turns(start)))
+    def most_turned(self) -> float:
+        """Most degrees that one way turns, left and right added, along an edge and all that follows it as its only way on."""
+        return max(sum(map(abs, self._turns(chain))) for chain in self._chains)
 
-    def is_loop(self, start: str) -> bool:
-        """Whether a way begins here, and not before, that turns about 270 degrees to one side."""
-        if len(self.back[start]) == 1 and all(self.on[before] == {start} for before in self.back[start]):
-            return False
-        headings = [0.0, *accumulate(self._turns(start))]
-        return _LOOP[0] <= max(headings) - min(headings) <= _LOOP[1]
+    def loops(self) -> int:
+        """How many ways turn about 270 degrees to one side between the places where ways join or part."""
+        turned = [list(accumulate(self._turns(chain), initial=0.0)) for chain in self._chains if not self._follows(chain[0])]
+        return sum(_LOOP[0] <= max(headings) - min(headings) <= _LOOP[1] for headings in turned)
 
-    def _turns(self, start: str) -> list[float]:
-        """Turns between the steps of the edge and all that follows it as its only way on [degrees], positive to the left."""
-        here, seen = start, {start}
-        headings = _headings(self.edges[start].shape)
-        while len(self.on[here]) == 1:
+    @cached_property
+    def _chains(self) -> list[list[str]]:
+        """Edges that follow one another as the only way on and back; each edge stands in one. A circle begins anywhere."""
+        chains, seen = [], set[str]()
+        for start in sorted(self.edges, key=self._follows):
+            if start not in seen:
+                chains.append(self._chain(start))
+                seen.update(chains[-1])
+        return chains
+
+    def _follows(self, edge: str) -> bool:
+        """Whether the edge only goes on what comes before it."""
+        return len(self.back[edge]) == 1 and all(self.on[before] == {edge} for before in self.back[edge])
+
+    def _chain(self, start: str) -> list[str]:
+        """The edge and all that follows it as its only way on."""
+        chain = {start: None}
+        while len(self.on[here := next(reversed(chain))]) == 1:
             (following,) = self.on[here]
-            if len(self.back[following]) != 1 or following in seen:
+            if len(self.back[following]) != 1 or following in chain:
                 break
-            # Edges of different width lie beside one another, so their headings are joined, not their points.
-            headings += _headings(self.edges[following].shape)
-            seen.add(following)
-            here = following
+            chain[following] = None
+        return list(chain)
+
+    def _turns(self, chain: list[str]) -> list[float]:
+        """Turns between the steps of edges that follow one another [degrees], positive to the left."""
+        # Edges of different width lie beside one another, so their headings are joined, not their points.
+        headings = [heading for edge in chain for heading in _headings(self.edges[edge].shape)]
         return [math.degrees(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)]
 
 

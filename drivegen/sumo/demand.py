@@ -145,11 +145,12 @@ def _successors(network: Network, names: list[str], number: dict[str, int]) -> l
     for lane, name in enumerate(names):
         if name not in number or map_.in_junction[lane]:
             continue
-        stack = list(following[lane])
+        stack, seen = list(following[lane]), set[int]()
         while stack:
             reached = stack.pop()
             if map_.in_junction[reached]:
-                stack += following[reached]
+                stack += following[reached] if reached not in seen else ()
+                seen.add(reached)
             elif names[reached] in number and ends[names[reached]] != ends[name][::-1]:
                 onward[number[name]].add(number[names[reached]])
     return [sorted(edges) for edges in onward]

@@ -1,6 +1,7 @@
 """What is read from a network that is none, and which roads lie on one another."""
 
 import re
+import time
 
 import pytest
 
@@ -53,3 +54,44 @@ def test_lanes_for_nobody_who_drives_are_not_looked_at_for_bridges(shape, users)
 def test_a_lane_for_cars_without_a_height_or_an_end_is_refused(shape, said):
     with pytest.raises(UnusableInput, match=rf"a\.net\.xml: lane 'a_0' .*{said}"):
         measure(parse(net(LANE.format("a", shape, "")), "a.net.xml"), "a.net.xml")
+
+
+@pytest.mark.parametrize("length", ["-9", "0", "1e308"])
+def test_an_edge_without_a_possible_length_is_refused(length):
+    edge = LANE.format("a", "0,0 100,0", "").replace('length="9"', f'length="{length}"')
+    with pytest.raises(UnusableInput, match=r"a\.net\.xml: edge 'a' has no finite shape, speed and length \(0 to 1000 km\)"):
+        import_map(net(edge), "a.net.xml")
+
+
+@pytest.mark.parametrize("length", ["-9", "inf", "nan", "long"])
+def test_a_lane_within_a_junction_without_a_possible_length_is_refused(length):
+    broken = re.sub(rb'(<lane id=":c_0_0"[^>]* length=")[^"]*', rb"\g<1>" + length.encode(), NETWORK)
+    assert broken != NETWORK
+    with pytest.raises(UnusableInput, match=rf"map\.net\.xml: lane ':c_0_0' within a junction has length='{length}'"):
+        measure(parse(broken, "map.net.xml"), "map.net.xml")
+
+
+def in_a_row(count: int, closed: bool = False) -> bytes:
+    """Edges of 10 m that follow one another on a line; `closed`: the last leads to the first."""
+    nodes = [f"n{i}" for i in range(count)] + ["n0" if closed else "end"]
+    lane = '<lane id="e{0}_0" index="0" speed="9" length="10" shape="{1},0 {2},0"/>'
+    way = '<edge id="e{0}" from="{1}" to="{2}">' + lane.format("{0}", "{3}", "{4}") + "</edge>"
+    edges = [way.format(i, nodes[i], nodes[i + 1], 10 * i, 10 * i + 10) for i in range(count)]
+    ways = [f'<connection from="e{i}" to="e{(i + 1) % count}" fromLane="0" toLane="0"/>' for i in range(count - (not closed))]
+    return f"<net>{''.join(edges + ways)}</net>".encode()
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_road_of_many_pieces_is_measured_at_once(closed):
+    begun = time.process_time()
+    structure = measure(parse(in_a_row(4000, closed), "a.net.xml"), "a.net.xml")
+    assert time.process_time() - begun < 5.0
+    assert (structure.edges, structure.turn, structure.loops) == (4000, 0.0, 0)
+
+
+def test_more_roads_on_one_line_than_any_network_has_are_refused():
+    stacked = net(*(LANE.format(f"e{i}", "0,0,1 500,0,1", "") for i in range(400)))
+    begun = time.process_time()
+    with pytest.raises(UnusableInput, match=r"a\.net\.xml: more than 50 roads lie on one another near \(\d+, 0\)"):
+        import_map(stacked, "a.net.xml")
+    assert time.process_time() - begun < 5.0

@@ -111,6 +111,22 @@ def test_a_network_without_a_trip_is_said_to_be_so():
         draw_demand(net, Demand(8, 14.0, 10.0), seeds.rng(1))
 
 
+def test_ways_across_a_junction_that_lead_round_in_a_circle_end():
+    """Lanes within the junction lead into one another; a trip still goes over it, and none is sought for ever."""
+    lane = '<lane id="{0}_0" index="0" speed="10" length="{1}" shape="{2}"/>'
+    within, way = (
+        '<edge id="{0}" function="internal">' + lane + "</edge>",
+        '<edge id="{0}" from="{3}" to="{4}">' + lane + "</edge>",
+    )
+    edges = within.format(":c_0", 5, "50,0 55,0") + within.format(":c_1", 5, "55,0 50,0")
+    edges += way.format("a", 50, "0,0 50,0", "w", "c") + way.format("b", 50, "55,0 105,0", "c", "e")
+    link = '<connection from="{}" to="{}" fromLane="0" toLane="0" {} state="M"/>'
+    ways = [("a", "b", 'via=":c_0_0"'), (":c_0", ":c_1", ""), (":c_1", ":c_0", ""), (":c_1", "b", "")]
+    nodes = "".join(f'<junction id="{name}" type="priority" x="0" y="0" shape=""/>' for name in "wce")
+    raw = f"<net>{edges}{nodes}{''.join(link.format(*each) for each in ways)}</net>".encode()
+    assert b'edges="a b"' in draw_demand(Network.read(raw, "circle"), Demand(5, 14.0, 5.0), seeds.rng(1))
+
+
 def distance_to_lanes(road_map: RoadMap, points: np.ndarray) -> np.ndarray:
     """Distance of each point to the nearest centreline piece."""
     best = np.full(len(points), np.inf)
