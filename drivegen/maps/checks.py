@@ -1,8 +1,14 @@
-"""Whether a network has what its specification asks for: arms, lanes, signals, lengths, ramps, and nobody stuck."""
+"""Whether a network has what its specification asks for: arms, lanes, controls, lengths, ramps, and nobody stuck.
 
+Not looked at are the widths of lanes, the lengths of turn lanes, what a free graph's nodes are controlled by, the limits and
+lanes of a crossing's and a roundabout's arms one by one, and those of side roads, unless they are the most that there is.
+"""
+
+import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from drivegen.layouts.crossings import Crossing, Roundabout
 from drivegen.layouts.graph import Graph
@@ -12,10 +18,18 @@ from drivegen.layouts.spec import MapSpec
 from drivegen.layouts.streets import Corridor, Grid
 from drivegen.maps.structure import Structure
 
+T = TypeVar("T", int, float)
+
 _TOLERANCE = 0.15
 _LONG_ARM = 100.0
 _LONG_BRANCH = 180.0
 """Shorter branches [m] may be longer than asked: they need their bend."""
+
+_CLEARLY = 0.85
+"""Of the length with one value, all others together have less: junctions take something of each."""
+
+_TURNING_PLACE = 80.0
+"""Length of a turning place at most [m]."""
 
 _TITLES = {"left_hand": "left-hand traffic"}
 
@@ -70,16 +84,19 @@ def _crossing(road: Crossing) -> dict[str, Any]:
     lit = int(road.control == "signals")
     if parts := _parts(road):
         return {"arms": (), "roundabouts": (), "signals": lit, **parts}
-    return {
+    expected = {
         **_way_across(road),
         "turns": _turns([road]),
         "arms": (count,),
         "signals": lit,
+        "controls": (road.control,),
+        "median": max(arm.median for arm in road.arms) if not any(sum(road.turn_lanes(i)[:2]) for i in range(count)) else None,
         "roundabouts": (),
         "max_lanes": max(max(arm.lanes_out, arm.lanes_in + sum(road.turn_lanes(i)[:2])) for i, arm in enumerate(road.arms)),
         "merges": 0,
         "diverges": 0,
     }
+    return {name: value for name, value in expected.items() if value is not None}
 
 
 def _parts(road: Crossing) -> dict[str, int]:
@@ -122,16 +139,48 @@ def _corridor(road: Corridor) -> dict[str, Any]:
         "arms": tuple(sorted((2 + len(j.sides) for j in crossings), reverse=True)),
         "turns": _turns(road.crossings),
         "signals": sum(j.control == "signals" for j in crossings),
+        "controls": tuple(sorted(j.control for j in crossings)),
         "roundabouts": tuple(rings),
         "one_way": road.lanes_back == 0 and not road.junctions,
     }
-    if widest := _widest_approach(road):
-        others = [j.ring_lanes if j.form == "roundabout" else 1 for j in road.junctions]
-        expected["max_lanes"] = max(widest, road.lanes, road.lanes_back, *others, *(j.side_lanes for j in road.junctions))
+    widest, rings_lanes = _widest_approach(road), [j.ring_lanes for j in road.junctions if j.form == "roundabout"]
+    expected["max_lanes"] = max(widest, road.lanes, road.lanes_back, *rings_lanes, *(j.side_lanes for j in road.junctions))
+    expected |= {"lanes": _commonest_lanes(road), "speed": _commonest_speed(road), "median": _median(road)}
     if not road.junctions and not road.dead_end:
-        expected |= {"lanes": road.lanes if road.lanes_back in (0, road.lanes) else None, "speed": road.speed}
         expected |= {"turn": _turn(road), "length": _line_length(road)}
     return {name: value for name, value in expected.items() if value is not None}
+
+
+def _median(road: Corridor) -> float | None:
+    """The gap between the road's directions [m]; None where turn lanes open in it, or a turning place's two ways count as one."""
+    turned = road.dead_end or any(junction.dead_end for junction in road.junctions)
+    return None if turned or _widest_approach(road) else road.median
+
+
+def _commonest_lanes(road: Corridor) -> int | None:
+    """Lanes of most of the road and its side roads; None where that is not clear, or turn lanes take some of the way."""
+    if _widest_approach(road):
+        return None
+    length = road.alignment.length
+    sides = [(j.side_lanes, 2 * j.side_length * len(j.sides)) for j in road.junctions]
+    return _clearly([(road.lanes, length), (road.lanes_back, length * (road.lanes_back > 0)), *sides], road)
+
+
+def _commonest_speed(road: Corridor) -> float | None:
+    """The limit on most of the road and its side roads [m/s]; None where that is not clear."""
+    length = road.alignment.length * (2 if road.lanes_back else 1)
+    return _clearly([(road.speed, length), *((j.side_speed, 2 * j.side_length * len(j.sides)) for j in road.junctions)], road)
+
+
+def _clearly(pairs: list[tuple[T, float]], road: Corridor) -> T | None:
+    """The value with the greatest weight [m], where all others have less together, rings and turning places included."""
+    weight: Counter[T] = Counter()
+    for value, metres in pairs:
+        weight[value] += metres  # type: ignore[assignment]
+    value, most = weight.most_common(1)[0]
+    others = sum(weight.values()) - most + sum(math.pi * j.diameter for j in road.junctions if j.form == "roundabout")
+    others += _TURNING_PLACE * (road.dead_end + sum(len(j.sides) for j in road.junctions if j.dead_end))
+    return value if others < _CLEARLY * most else None
 
 
 def _widest_approach(road: Corridor) -> int:
@@ -157,7 +206,8 @@ def _line_length(road: Corridor | Highway) -> float | None:
 def _grid(road: Grid) -> dict[str, Any]:
     crossings = road.rows * road.columns
     lit = crossings if road.control == "signals" else 0
-    return {"arms": (4,) * crossings, "signals": lit, "lanes": road.lanes, "speed": road.speed, "one_way": road.one_way}
+    expected = {"arms": (4,) * crossings, "signals": lit, "lanes": road.lanes, "speed": road.speed, "one_way": road.one_way}
+    return {**expected, "controls": (road.control,) * crossings}
 
 
 def _highway(road: Highway) -> dict[str, Any]:
@@ -190,7 +240,8 @@ def _interchange(road: Interchange) -> dict[str, Any]:
     arms = {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]
     ramps = 2 if road.form == "diamond" else 1
     lit = len(arms) if road.control == "signals" else 0
-    return {"arms": arms, "signals": lit, "diverges": ramps, "merges": 0 if road.form == "terminal" else ramps, "bridges": 1}
+    joined = {"diverges": ramps, "merges": 0 if road.form == "terminal" else ramps, "bridges": 1}
+    return {"arms": arms, "signals": lit, "controls": (road.control,) * len(arms), **joined}
 
 
 def _quadrants(road: QuadrantInterchange) -> dict[str, Any]:
@@ -199,6 +250,8 @@ def _quadrants(road: QuadrantInterchange) -> dict[str, Any]:
     expected = {"arms": road.terminals, "bridges": 1, "loops": len(road.loops), "one_way": road.control is None}
     if road.control is None:
         expected |= {"merges": ends, "diverges": ends}
+    else:
+        expected["controls"] = (road.control,) * len(road.terminals)
     return {**expected, "signals": len(road.terminals) if road.control == "signals" else 0}
 
 

@@ -10,6 +10,7 @@ from itertools import accumulate, pairwise
 from xml.etree.ElementTree import Element
 
 from drivegen.core.errors import UnusableInput
+from drivegen.sumo.net_lanes import DEFAULT_WIDTH
 
 _LOOP = (225.0, 315.0)
 """A way that turns so far to one side is a loop [degrees]."""
@@ -25,7 +26,10 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Edge:
-    """A road in one direction: its nodes, lanes for cars, limit [m/s], length [m] and the line of its middle lane [m]."""
+    """A road in one direction: its nodes, lanes for cars, limit [m/s], length [m] and the line of its middle lane [m].
+
+    `inner` is the line of its lane nearest to oncoming traffic [m], `inner_width` that lane's width [m].
+    """
 
     id: str
     source: str
@@ -34,6 +38,8 @@ class Edge:
     speed: float
     length: float
     shape: tuple[Point, ...]
+    inner: tuple[Point, ...]
+    inner_width: float
 
 
 def read_graph(root: Element, place: str) -> "RoadGraph":
@@ -73,13 +79,15 @@ def _edge(element: Element) -> Edge | None:
     lanes = [lane for lane in element.iter("lane") if for_cars(lane)]
     if not lanes:
         return None
-    shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
+    shape, inner = (tuple(_points(lane.get("shape", ""))) for lane in (lanes[len(lanes) // 2], lanes[-1]))
     speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
-    if not shape or not all(map(math.isfinite, (speed, *(value for point in shape for value in point)))):
+    width = float(lanes[-1].get("width", DEFAULT_WIDTH))
+    if not shape or not inner or not all(map(math.isfinite, (speed, width, *(x for point in shape + inner for x in point)))):
         raise ValueError
     if not 0 < length <= _LONGEST:  # the search of the longest way would not end among negative lengths
         raise ValueError
-    return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
+    name, source, target = (element.get(key, "") for key in ("id", "from", "to"))
+    return Edge(name, source, target, len(lanes), speed, length, shape, inner, width)
 
 
 def for_cars(lane: Element) -> bool:
@@ -101,6 +109,7 @@ class RoadGraph:
 
     def __init__(self, root: Element, edges: dict[str, Edge], within: dict[str, float]) -> None:
         self.edges = edges
+        self.types = {j.get("id", ""): j.get("type", "") for j in root.iter("junction")}
         self.lit = {j.get("id", "") for j in root.iter("junction") if "traffic_light" in j.get("type", "")}
         self.left_hand = root.get("lefthand", "false") in ("true", "1")
         self.rings = [(set(r.get("nodes", "").split()), set(r.get("edges", "").split())) for r in root.iter("roundabout")]
