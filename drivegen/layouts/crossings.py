@@ -154,6 +154,8 @@ class Roundabout(_Arms):
     @model_validator(mode="after")
     def _lanes_fit_into_the_ring(self) -> "Roundabout":
         check_ring(self.ring_lanes, self.diameter)
+        if any(arm.left_turn_lanes or arm.right_turn_lanes for arm in self.arms):
+            raise ValueError("roads that meet a roundabout have no turn lanes here")
         if any(arm.turn_bans for arm in self.arms):
             raise ValueError("who enters a roundabout may leave it anywhere: no turn can be banned")
         if any(arm.median for arm in self.arms):

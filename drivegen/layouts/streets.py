@@ -39,7 +39,8 @@ class Junction(Part):
 
     At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
     long, at most `POCKET_SHARE` of the way from what lies before the crossing. `turn_bans` are those of the main road,
-    `side_turn_bans` those of the side roads, left and right of who drives there. A roundabout has none of these.
+    `side_turn_bans` those of the side roads, left and right of who drives there. A roundabout has none of these, and who
+    enters it gives way.
     """
 
     position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
@@ -63,6 +64,10 @@ class Junction(Part):
         if max(self.sides.count("left"), self.sides.count("right")) > _MOST_ON_A_SIDE:
             raise ValueError(f"at most {_MOST_ON_A_SIDE} roads join on one side of a junction along a road")
         if self.form == "roundabout":
+            if self.control != "yield":
+                raise ValueError("who enters a roundabout gives way: it has neither signals nor other signs here")
+            if self.left_turn_lanes or self.right_turn_lanes or self.turn_bans or self.side_turn_bans:
+                raise ValueError("a roundabout along a road has neither turn lanes nor banned turns")
             check_ring(self.ring_lanes, self.diameter)
             least = least_diameter([0.0, 180.0, *self.directions], self.ring_lanes)
             if self.diameter < least:

@@ -206,6 +206,7 @@ class Edit:
         sides = [side for side in ("left", "right") if any(side in text for text in texts)]
         none = {f"{side}_turn_lanes": 0 for side in sides or ("left", "right")} if self.thing.value("no_turn_lanes") else {}
         rows = parts if name in ("crossing", "roundabout") else self.road.get("junctions", [])
+        rows = [part for part in rows if part.get("form") != "roundabout"]  # rings have neither turn lanes nor bans
         new = turning([self.thing], {"left_turn_lanes": 1}, "turn_bans") | none
         for which in ("main", "side"):
             for side in self.thing.values(f"{which}_turn_bans"):
