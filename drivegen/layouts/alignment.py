@@ -1,7 +1,7 @@
 """The line of a road seen from above: straights and bends."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -10,12 +10,16 @@ from drivegen.layouts.values import Length, Part, Radius, Turn
 SHORTEST_STRAIGHT = 30.0
 """Roads are straight for so long before their first bend and behind their last one at least [m]."""
 
+HAIRPIN = 180.0
+"""The turn of a hairpin, where nothing is said of it [degrees]."""
+
 
 class Alignment(Part):
     """The line of a road seen from above, from its start heading east.
 
-    `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees, the loop of a ramp one
-    of about 270. `bends` is how many follow one another, to the left and right in turn; None: two in an S-curve, else one.
+    `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees, which is its angle where
+    none is given, the loop of a ramp one of about 270. `bends` is how many follow one another, to the left and right in turn;
+    None: two in an S-curve, else one.
     Bends that differ are told one by one in `arcs`, each as (angle, radius); `angle`, `radius` and `bends` are left out then.
     """
 
@@ -25,6 +29,14 @@ class Alignment(Part):
     radius: Radius = 60.0
     bends: Annotated[int, Field(ge=1, le=8)] | None = None
     arcs: Annotated[tuple[tuple[Turn, Radius], ...], Field(max_length=8)] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _hairpins_turn_back(cls, fields: Any) -> Any:
+        """The fields with the angle of a hairpin that has none."""
+        if not isinstance(fields, dict) or fields.get("shape") != "hairpin" or fields.get("arcs"):
+            return fields
+        return {"angle": HAIRPIN, **fields}
 
     @model_validator(mode="after")
     def _bends_are_told_once(self) -> "Alignment":
