@@ -61,7 +61,7 @@ ROADS: dict[str, dict[str, Any]] = {
         "alignment": {"length": 600},
         "junctions": [
             {"position": 40, "sides": ["left"], "left_turn_lanes": 1, "right_turn_lanes": 1, "side_lanes": 2},
-            {"position": 200, "form": "roundabout", "left_turn_lanes": 1},
+            {"position": 200, "form": "roundabout"},
             {"position": 450, "sides": ["right"], "control": "stop", "right_turn_lanes": 1, "pocket": 500},
         ],
         "dead_end": True,

@@ -33,7 +33,7 @@ JUNCTION = st.fixed_dictionaries(
         "side_speed": SPEED,
         "dead_end": st.booleans(),
     }
-)
+).map(lambda junction: junction if junction["form"] == "crossing" else {**junction, "left_turn_lanes": 0, "right_turn_lanes": 0})
 
 
 def build_and_look(road: dict[str, Any], left_hand: bool) -> Structure:
