@@ -31,6 +31,9 @@ _CLEARLY = 0.85
 _TURNING_PLACE = 80.0
 """Length of a turning place at most [m]."""
 
+_NARROW = 1.0
+"""A median below this [m] is not looked at."""
+
 _TITLES = {"left_hand": "left-hand traffic"}
 
 _SHARP = 60.0
@@ -90,7 +93,7 @@ def _crossing(road: Crossing) -> dict[str, Any]:
         "arms": (count,),
         "signals": lit,
         "controls": (road.control,),
-        "median": max(arm.median for arm in road.arms) if not any(sum(road.turn_lanes(i)[:2]) for i in range(count)) else None,
+        "median": None if any(sum(road.turn_lanes(i)[:2]) for i in range(count)) else _clear(max(a.median for a in road.arms)),
         "roundabouts": (),
         "max_lanes": max(max(arm.lanes_out, arm.lanes_in + sum(road.turn_lanes(i)[:2])) for i, arm in enumerate(road.arms)),
         "merges": 0,
@@ -154,7 +157,12 @@ def _corridor(road: Corridor) -> dict[str, Any]:
 def _median(road: Corridor) -> float | None:
     """The gap between the road's directions [m]; None where turn lanes open in it, or a turning place's two ways count as one."""
     turned = road.dead_end or any(junction.dead_end for junction in road.junctions)
-    return None if turned or _widest_approach(road) else road.median
+    return None if turned or _widest_approach(road) else _clear(road.median)
+
+
+def _clear(median: float) -> float | None:
+    """The median [m], None of one that is so narrow that a network's rounded numbers may hide it."""
+    return None if 0 < median < _NARROW else median
 
 
 def _commonest_lanes(road: Corridor) -> int | None:

@@ -1,4 +1,4 @@
-"""Roads that lie on top of one another: lanes of different edges that meet where there is no junction.
+"""Roads that lie on top of one another: lanes that meet, of different edges or of one, where there is no junction.
 
 Two roads that cross need a node, or a bridge. Where a writer forgot both, vehicles drive through one another unseen.
 """
@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import arc_length, resample
@@ -26,6 +27,9 @@ _TOUCH = 1.5
 
 _NEAR_NODE = 60.0
 """Lanes of edges that share a node may lie on one another this close to it [m]: ramps and forks leave at small angles."""
+
+_ROUND = 60.0
+"""A lane that comes back to where it was so much earlier [m] has crossed itself."""
 
 _CLEARANCE = 4.0
 """Roads this far above one another cross on a bridge [m]."""
@@ -50,14 +54,19 @@ def overlapping(root: Element, place: str) -> tuple[str, ...]:
     """
     nodes = {j.get("id", ""): (float(j.get("x", "0")), float(j.get("y", "0"))) for j in root.iter("junction")}
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
-    ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
+    ways = [(e.get("from", ""), e.get("to", "")) for e in edges]
+    ends = _joined(ways)
     places: dict[tuple[int, int], Point] = {}
     for a, b, (x, y), apart in _touching(edges, place):
         if apart >= _CLEARANCE:
             continue
-        shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
-        if (a, b) not in places and all(math.dist((x, y), node) > _NEAR_NODE for node in shared):
+        # Two roads from one node to another part some time, however near to one another both nodes are.
+        same = ways[a] == ways[b] and all(name in nodes for name in ways[a])
+        shared = [nodes[name] for name in (ways[a] if same else ends[a] & ends[b]) if name in nodes]
+        near = min(_NEAR_NODE, math.dist(*shared) / 4) if same else _NEAR_NODE
+        if (a, b) not in places and all(math.dist((x, y), node) > near for node in shared):
             places[a, b] = (x, y)
+    places |= {(i, i): at for i, edge in enumerate(edges) if (at := _crosses_itself(edge, place)) is not None}
     names = [edge.get("id", "") for edge in edges]
     lines = [f"{names[a]} and {names[b]} near ({x:.0f}, {y:.0f})" for (a, b), (x, y) in sorted(places.items())]
     return tuple(lines[:_MOST])
@@ -83,6 +92,23 @@ def _joined(ends: list[tuple[str, str]]) -> list[set[str]]:
         beside[a].add(b)
         beside[b].add(a)
     return [{a, b}.union(*(beside[node] for node in (a, b) if len(beside[node]) == 2)) for a, b in ends]
+
+
+def _crosses_itself(edge: Element, place: str) -> Point | None:
+    """Where a lane for cars of the edge meets itself again after `_ROUND` [m]; None of a ramp, which may pass over itself.
+
+    An edge that ends where it begins may do so near there.
+    """
+    for lane in edge.iter("lane"):
+        if not for_cars(lane) or len({point.partition(",")[2].partition(",")[2] for point in lane.get("shape", "").split()}) > 1:
+            continue
+        points = resample(_line(lane, place), _STEP)
+        apart = round(_ROUND / _STEP)
+        ends = (apart, len(points) - apart) if edge.get("from") == edge.get("to") else (0, len(points))
+        met = [i for i, j in KDTree(points).query_pairs(_TOUCH) if j - i > apart and i >= ends[0] and j <= ends[1]]
+        if met:
+            return float(points[min(met)][0]), float(points[min(met)][1])
+    return None
 
 
 def _samples(edge: Element, place: str) -> NDArray[np.float64]:

@@ -62,3 +62,10 @@ def test_a_median_of_a_crossings_roads_is_looked_at() -> None:
     assert not failures(examine(asked).checks)
     got = examine(spec({"kind": "crossing", "arms": [{"angle": angle} for angle in (0, 90, 180, 270)]})).structure
     assert [line.partition(":")[0] for line in failures(check(asked, got))] == ["median"]
+
+
+@pytest.mark.parametrize("median", [0.1, 0.6, 1.0, 30.0])
+@pytest.mark.parametrize("line", [{}, {"shape": "s_curve", "angle": 60}])
+def test_any_median_that_is_drawn_is_as_asked(median: float, line: dict[str, Any]) -> None:
+    road = {"kind": "corridor", "alignment": line, "median": median, "junctions": [{"position": 300}]}
+    assert not failures(examine(spec(road)).checks)

@@ -21,19 +21,10 @@ SIDES = st.sampled_from([["left"], ["right"], ["left", "right"]])
 FORK = {"kind": st.just("fork"), "lanes": st.just(2), "length": LENGTH, "stem": st.none() | LENGTH, "joins": st.booleans()}
 ARM = st.fixed_dictionaries({"lanes_in": st.integers(1, 3), "speed": SPEED})
 MEDIAN = st.just(0.0) | st.floats(0, 30)
-JUNCTION = st.fixed_dictionaries(
-    {
-        "sides": SIDES,
-        "form": st.sampled_from(["crossing", "roundabout"]),
-        "left_turn_lanes": st.booleans(),
-        "right_turn_lanes": st.booleans(),
-        "pocket": st.floats(15, 500),
-        "side_lanes": st.integers(1, 3),
-        "diameter": st.floats(14, 60),
-        "side_speed": SPEED,
-        "dead_end": st.booleans(),
-    }
-).map(lambda junction: junction if junction["form"] == "crossing" else {**junction, "left_turn_lanes": 0, "right_turn_lanes": 0})
+TURN_LANES = {"left_turn_lanes": st.booleans(), "right_turn_lanes": st.booleans(), "pocket": st.floats(15, 500)}
+SIDE = {"sides": SIDES, "side_lanes": st.integers(1, 3), "side_speed": SPEED, "dead_end": st.booleans()}
+CROSSING = st.fixed_dictionaries({**SIDE, **TURN_LANES, "form": st.just("crossing")})
+RING = st.fixed_dictionaries({**SIDE, "form": st.just("roundabout"), "diameter": st.floats(14, 60)})
 
 
 def build_and_look(road: dict[str, Any], left_hand: bool) -> Structure:
@@ -68,7 +59,7 @@ def test_any_ring_is_built_or_is_told_its_least_size(arms: list[Any], diameter: 
 
 
 @given(
-    st.lists(JUNCTION, min_size=1, max_size=4),
+    st.lists(CROSSING | RING, min_size=1, max_size=4),
     st.floats(85, 400),
     st.integers(1, 3),
     st.integers(0, 3),

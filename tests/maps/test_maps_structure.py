@@ -95,3 +95,31 @@ def test_more_roads_on_one_line_than_any_network_has_are_refused():
     with pytest.raises(UnusableInput, match=r"a\.net\.xml: more than 50 roads lie on one another near \(\d+, 0\)"):
         import_map(stacked, "a.net.xml")
     assert time.process_time() - begun < 5.0
+
+
+@pytest.mark.parametrize(
+    "road",
+    [
+        {"kind": "corridor", "lanes_back": 0, "alignment": {"shape": "curve", "angle": 270, "radius": 60, "length": 600}},
+        {
+            "kind": "highway",
+            "carriageways": 1,
+            "alignment": {"shape": "curve", "angle": -270, "radius": 60, "length": 1000},
+        },
+    ],
+    ids=["street", "highway"],
+)
+def test_a_road_that_crosses_itself_is_told(road):
+    lies = [c for c in examine(MapSpec.model_validate({"road": road})).checks if c.name == "no overlapping roads"]
+    (pair,) = lies[0].got
+    name, _, other = pair.partition(" near ")[0].partition(" and ")
+    assert name == other
+
+
+def test_two_roads_on_one_line_between_the_same_nodes_are_told():
+    nodes = [{"name": name, "x": x, "y": 0} for name, x in (("w", -200), ("a", 0), ("b", 100), ("e", 300))]
+    ways = [("i", "w", "a"), ("p", "a", "b"), ("q", "a", "b"), ("o", "b", "e")]
+    roads = [{"name": name, "start": start, "end": end, "lanes_back": 0} for name, start, end in ways]
+    found = examine(MapSpec.model_validate({"road": {"kind": "graph", "nodes": nodes, "roads": roads}}))
+    (pair,) = next(c.got for c in found.checks if c.name == "no overlapping roads")
+    assert pair.startswith("p and q near")
