@@ -94,7 +94,7 @@ def _check_clear(spec: MapSpec, scene: Scene) -> None:
         if not (thing.facts or new or (thing.name in itself and thing.which is None)):
             raise Unfit(f"it is not clear what changes at {thing.text!r}: say it as in 'add a lane on the side road'")
     if any(fact.name == "keeps" and fact.text.startswith("add ") for fact in scene.everything.facts):
-        raise Undrawable("say how many lanes the ramp has, as in 'two lanes on the off-ramp'")
+        raise Unfit("say how many lanes the ramp has, as in 'two lanes on the off-ramp'")
     lanes = [fact.text for fact in scene.whole.facts if fact.name.startswith("lane") and fact.name != "lane_width"]
     if lanes and any(thing.name in ("lane_drop", "lane_gain") for thing in scene.things):
         raise Undrawable(f"it is not clear whether {lanes[0]!r} is of the road: say it in an edit of its own")

@@ -40,7 +40,6 @@ from tests.words.test_words_read import KMH, declined
         ("a motorway with an off-ramp", "move the second off-ramp to 900 m", "no second 'offramp'"),
         ("a motorway", "add a ramp at 400 m", "an on-ramp or an off-ramp"),
         ("a motorway with two on-ramps", "80 km/h on the on-ramp", "say which 'onramp' is meant"),
-        ("a motorway with an off-ramp", "add a lane on the off-ramp", "how many lanes the ramp has"),
         ("a crossing", "80 km/h on the main road", "no 'main road'"),
         ("a crossing", "lanes 3 m wide on the first arm", "of the whole road only"),
         ("a crossing with left-turn lanes", "right-turn lanes instead of left-turn lanes", "'instead'"),
@@ -103,6 +102,11 @@ def test_a_ramp_is_added_as_it_is_said_and_leaves_the_others_as_they_are():
     assert new.alignment.length == 1200.0
     limits = [event.ramp_speed for event in edited(MapSpec(road=new), "40 km/h on the ramps").road.events]
     assert limits == [40 * KMH, 40 * KMH]
+
+
+def test_a_lane_more_on_a_ramp_is_the_ramps():
+    road = edited(read("a three-lane motorway with an off-ramp", 7).road, "add a lane on the off-ramp").road
+    assert (road.lanes, road.events[0].lanes, road.events[0].keeps) == (3, 2, False)
 
 
 def test_a_lane_may_end_at_a_place_that_is_said():
