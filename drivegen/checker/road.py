@@ -147,7 +147,7 @@ def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-
             continue
         j, i = int(_cell(position[t, 0], origin[0]) + _HALF), int(_cell(position[t, 1], origin[1]) + _HALF)
         if i < 0 or j < 0 or i >= limits.shape[0] or j >= limits.shape[1]:
-            against = 0
+            against, given = 0, max(given, np.float32(0.0))
             continue
         speed = np.sqrt(velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1])
         lanes = directions[i, j]
@@ -164,11 +164,12 @@ def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-
             wrong_first = t
         if limits[i, j] > 0:
             excess = speed - np.float32(limits[i, j]) * _LIMIT_UNIT
-            given = excess - limit[OVER_LIMIT] if given == _NEVER else given
+            given = excess - limit[OVER_LIMIT] if given == _NEVER else given  # at the start alone, not where limits begin
             excess -= max(given - max(_SLOWING * np.float32(t - NOTICED), np.float32(0.0)), np.float32(0.0))
             over = max(over, excess)
             if over_first < 0 and excess > limit[OVER_LIMIT]:
                 over_first = t
+        given = max(given, np.float32(0.0))
     return longest, wrong_first, over, over_first
 
 

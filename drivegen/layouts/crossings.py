@@ -126,10 +126,14 @@ class Crossing(_Arms):
         return TurnLanes(arm.left_turn_lanes, arm.right_turn_lanes, min(arm.pocket, arm.length / 2))
 
 
+def turned(here: float, there: float) -> float:
+    """The turn of who comes over the arm at angle `here` into that at `there`, all in degrees, left positive."""
+    return (there - here) % 360.0 - 180.0
+
+
 def _turns(arms: tuple[Arm, ...], here: int) -> dict[int, float]:
     arm = arms[here]
-    others = [(i, other.angle) for i, other in enumerate(arms) if i != here and other.lanes_out]
-    turns = {i: (angle - arm.angle) % 360.0 - 180.0 for i, angle in others}
+    turns = {i: turned(arm.angle, other.angle) for i, other in enumerate(arms) if i != here and other.lanes_out}
     banned = {"left": 1, "right": -1}
     return {i: turn for i, turn in turns.items() if not any(banned[side] * turn > STRAIGHT for side in arm.turn_bans)}
 

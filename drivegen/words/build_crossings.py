@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from drivegen.layouts.crossings import SIGNS, STRAIGHT
+from drivegen.layouts.crossings import SIGNS, STRAIGHT, turned
 from drivegen.words.choices import Choices, is_one_way, lanes_of, median_of, speed_of, usual_speed
 from drivegen.words.slots import SLOTS
 from drivegen.words.things import Road, Scene, Thing, Undrawable, Unfit, merged, only
@@ -261,12 +261,14 @@ def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
 
 
 def check_turns(arms: Sequence[Road], arm: Road, said: Thing) -> None:
-    """Raises Undrawable for turn lanes of one arm, of which they are `said`, towards a side to which no road leads away."""
-    turns = [(other["angle"] - arm["angle"]) % 360.0 - 180.0 for other in arms if other is not arm and other["lanes_out"]]
+    """Raises Undrawable for turn lanes of one arm, of which they are `said`, to a side to which nobody can or may turn."""
+    there = [other for other in arms if other is not arm and other["lanes_out"]] if arm["lanes_in"] else []
+    turns = [turned(arm["angle"], other["angle"]) for other in there]
     for side, sign in SIGNS if isinstance(said.which, (int, float)) and said.has(*TURN_LANES) else ():
-        if arm.get(f"{side}_turn_lanes") and not any(sign * turn > STRAIGHT for turn in turns):
+        may = side not in arm.get("turn_bans", ()) and any(sign * turn > STRAIGHT for turn in turns)
+        if arm.get(f"{side}_turn_lanes") and not may:
             which = SLOTS["nth" if isinstance(said.which, int) else "compass"].speak(said.which)
-            raise Undrawable(f"no road leads to the {side} for who comes over the {which} arm")
+            raise Undrawable(f"who comes over the {which} arm cannot turn {side}")
 
 
 def _meant(built: list[Road], arm: Thing) -> list[Road]:

@@ -246,8 +246,7 @@ class Edit:
         these = [i for i, one in enumerate(everything) if any(one is part for part in parts)] if moved else []
         for i in these:
             everything[i]["position"] += moved
-        first = these[0] if these else None
-        if moved and first is not None:
+        if these:
             line = self.road["alignment"]
             line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + _BEHIND)
         elif moved:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -57,3 +59,13 @@ def test_who_starts_too_fast_has_to_slow_down(acceleration: float, legal: bool):
     judged = SceneChecker(scenario(road, log), LIMITS).severities(log[np.newaxis])
     assert (judged.violation[0, 0] == 0) is np.bool_(legal)
     assert legal or judged.first[0, 0, RULES.index("over_limit")] >= NOTICED
+
+
+def test_who_comes_too_fast_to_where_limits_begin_did_not_start_so():
+    xs = np.arange(0.0, 601.0, 10.0)
+    line = np.stack([xs, 0 * xs], axis=1)
+    road = road_map([line[:31], line[30:]], links=[(0, 1)])
+    road = replace(road, speed_limit=np.array([np.nan, 13.9], np.float32))
+    log = stack([drive(line, 290, 20.0, 101)])
+    judged = SceneChecker(scenario(road, log), LIMITS).severities(log[np.newaxis])
+    assert judged.first[0, 0, RULES.index("over_limit")] in (4, 6)

@@ -35,7 +35,7 @@ from tests.words.test_words_read import KMH, declined
         ("a motorway fork, 4 lanes split into 2 and 2", "add two lanes", "a branch has at most"),
         ("a curve with a radius of 150 m", "300 m shorter", "bends do not fit"),
         ("a curve with a radius of 150 m", "make the curve tighter", "changes of a bend"),
-        ("a T-junction", "right turn lane on the east arm", "no road leads to the right for who comes over the east arm"),
+        ("a T-junction", "right turn lane on the east arm", "who comes over the east arm cannot turn right"),
         ("a motorway", "add a lane gain at 700 m with two lanes", "whether 'two lanes' is of the road"),
         ("a motorway with an off-ramp", "move the second off-ramp to 900 m", "no second 'offramp'"),
         ("a motorway", "add a ramp at 400 m", "an on-ramp or an off-ramp"),
@@ -45,6 +45,7 @@ from tests.words.test_words_read import KMH, declined
         ("a crossing with left-turn lanes", "right-turn lanes instead of left-turn lanes", "'instead'"),
         ("a three-lane motorway", "increase by two lanes", "by two lanes"),
         ("a road with two lanes ahead and one back", "remove a lane", "so many lanes are not there"),
+        ("a crossing", "left turn lane and no left turns on the first arm", "the first arm cannot turn left"),
         ("a T-junction", "add a fourth arm", "arms more than there are"),
         ("a motorway", "add an off-ramp 300 m from the end", "counted from the end"),
     ],
@@ -150,7 +151,7 @@ def test_signs_and_lights_are_replaced(road, edit, control):
 def test_nobody_is_told_of_turn_lanes_where_there_is_nowhere_to_turn():
     said = read("a T-junction with left turn lanes", 7)
     assert [arm.left_turn_lanes for arm in said.road.road.arms] == [0, 1, 1]  # the first arm's left is where no road is
-    with pytest.raises(UnusableInput, match="no road leads to the right for who comes over the second arm"):
+    with pytest.raises(UnusableInput, match="who comes over the second arm cannot turn right"):
         read("a T-junction, right turn lane on the second arm", 7)
 
 
