@@ -33,7 +33,8 @@ from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import Table
 from drivegen.recording.sample import record_sample
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.shipping import ShipSettings, rejection, sample_id
 from drivegen.store.goals import GoalColumns

@@ -13,9 +13,8 @@ from drivegen.checker.limits import Limits
 from drivegen.checker.verdicts import read_limits
 from drivegen.core.samples import Samples
 from drivegen.planners.base import Planner
-from drivegen.rollout.batch import recorded_choices
+from drivegen.rollout.choices import Choices, recorded_choices
 from drivegen.rollout.models import read_planner
-from drivegen.rollout.scene import Choices
 from drivegen.store.goals import read_goals
 from drivegen.store.lookup import evenly, shared
 from drivegen.store.samples import read_samples

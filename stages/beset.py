@@ -23,7 +23,7 @@ from drivegen.placement.gaps import Gaps
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import Table
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json

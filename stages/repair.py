@@ -31,7 +31,7 @@ from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.policy import Policy
 from drivegen.drivers.shared.tuning import How, Say, Tuner, mixed
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from drivegen.store.scenarios import shards

@@ -15,7 +15,7 @@ from drivegen.goals.packing import pack
 from drivegen.planners.base import Planner
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
 from drivegen.selectors.random import Plugin as Random

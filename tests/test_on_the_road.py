@@ -11,7 +11,8 @@ from drivegen.layouts.spec import MapSpec
 from drivegen.placement.place import PlaceSettings
 from drivegen.placement.scenes import Initialiser, Settings
 from drivegen.placement.table import build_table
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.scene import RolloutSettings
 from drivegen.rollout.shipping import ShipSettings, ship

@@ -20,7 +20,7 @@ from drivegen.placement.ways import crossed
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import SPACING, Route
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.selectors.base import Selector
 from drivegen.words.request import Manoeuvre
 

@@ -15,8 +15,7 @@ from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.placement.scenes import Initialiser
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import choose
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices, choose
 from drivegen.selectors.base import Selector
 from drivegen.words.request import TrafficRequest
 

@@ -25,8 +25,8 @@ from drivegen.placement.gaps import gaps_of
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.ways import Ways, turns
 from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import Choices
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices
 from drivegen.words.request import TrafficRequest
 
 LEFT_TURN = np.deg2rad(35)

@@ -27,7 +27,8 @@ from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import build_table
 from drivegen.roads.reach import Dynamics
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.scene import RolloutSettings
 from drivegen.rollout.shipping import ShipSettings, ship

@@ -17,7 +17,8 @@ from drivegen.ingest.selection import Settings as SelectionSettings
 from drivegen.placement.gaps import Gaps
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import Table
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.store.assets import read_assets
 from drivegen.traffic import SELECTOR

@@ -79,27 +79,31 @@ class Rejections:
     """Collects them while one scenario is rolled out; whoever wants none gives the rollout no such list."""
 
     def __init__(self) -> None:
-        self._rows: list[tuple[int, int, int, bool]] = []
+        self._rows: list[tuple[int, int, int, int, int]] = []
         self._position: list[NDArray[np.float32]] = []
 
-    def add(self, sample: int, vehicle: int, violation: int, position: NDArray[np.float32], *, made_way: bool = False) -> None:
-        """Note a trajectory (T, 2) of a vehicle of a sample; it is copied."""
-        self._rows.append((sample, vehicle, violation, made_way))
+    def add(self, when: tuple[int, int, int], vehicle: int, violation: int, position: NDArray[np.float32]) -> None:
+        """Note a trajectory (T, 2) of a vehicle; it is copied.
+
+        `when` are the round, the sample and the vehicle that was judged: another one where this one made way for it.
+        """
+        self._rows.append((*when, vehicle, violation))
         self._position.append(position.copy())
 
     def replaced_in(self, samples: Samples) -> Rejected:
         """All but those that stand in `samples` in the end: the least illegal one stays where nothing legal was found."""
-        rows = np.array(self._rows, np.int64).reshape(-1, 4).T
+        turn, sample, judged, vehicle, violation = np.array(self._rows, np.int64).reshape(-1, 5).T
         steps = samples.motion.valid.shape[-1]
         position = np.stack(self._position) if self._position else np.zeros((0, steps, 2), np.float32)
+        order = np.lexsort((judged, sample, turn))  # stable: those of one judgement stay as they were tried
         rejected = Rejected(
             scenario_id=samples.scenario_id,
             method=samples.method,
-            position=position.astype(np.float32),
-            sample=rows[0].astype(np.int32),
-            vehicle=rows[1].astype(np.int32),
-            violation=rows[2].astype(np.uint16),
-            made_way=rows[3].astype(np.bool_),
+            position=position[order].astype(np.float32),
+            sample=sample[order].astype(np.int32),
+            vehicle=vehicle[order].astype(np.int32),
+            violation=violation[order].astype(np.uint16),
+            made_way=(vehicle != judged)[order],
         )
         return rejected.only(~_stand(rejected, samples.motion))
 

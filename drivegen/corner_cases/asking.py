@@ -19,7 +19,7 @@ from drivegen.questions.account import Account
 from drivegen.questions.asking import Asking, Scene, Settings
 from drivegen.questions.goals import Wording
 from drivegen.questions.goals_1 import THE_PICTURE, every, shown
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 
 _INSTRUCTIONS = """\
 You test the driving algorithm of the target vehicle. For another vehicle of the same scene you get a picture from above and a

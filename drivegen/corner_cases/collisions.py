@@ -15,7 +15,7 @@ from drivegen.corner_cases.knowledge import Knowledge, speed_names
 from drivegen.corner_cases.rounds import Drive, encounters_of, taught
 from drivegen.render.png import png
 from drivegen.render.scene_picture import View, scene_picture
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.world.outcome import CollisionKind
 
 WIDTH = 90.0

@@ -20,9 +20,8 @@ from drivegen.generators.base import Settings
 from drivegen.planners.base import Planner
 from drivegen.questions.account import Account
 from drivegen.questions.asking import Asking
-from drivegen.rollout.batch import recorded_choices
+from drivegen.rollout.choices import Choices, recorded_choices
 from drivegen.rollout.models import read_planner
-from drivegen.rollout.scene import Choices
 from drivegen.simulators.base import Simulator
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard

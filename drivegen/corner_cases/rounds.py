@@ -22,7 +22,8 @@ from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.drivers.base import Driver
 from drivegen.planners.base import Planner
 from drivegen.rollout.batch import roll_out
-from drivegen.rollout.scene import Choices, RolloutSettings
+from drivegen.rollout.choices import Choices
+from drivegen.rollout.scene import RolloutSettings
 from drivegen.rollout.towards import plan_all_goals
 from drivegen.simulators.base import Simulator
 from drivegen.world.outcome import DrivingOutcome

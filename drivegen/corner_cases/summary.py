@@ -15,7 +15,7 @@ from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.rounds import Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import driving_summary
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.simulators.shared.drives import impacts, kind_shares, numbered, run_metrics
 
 

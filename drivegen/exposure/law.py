@@ -18,7 +18,7 @@ from drivegen.checker.scene import SceneChecker
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.goals.joint import draw_together, orders
 from drivegen.goals.outlook import Outlooks
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 
 SWEEPS = 8
 """How often every vehicle draws again, given the others, before a draw is taken."""

@@ -22,7 +22,7 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.exposure.law import NaturalLaw
 from drivegen.exposure.rates import Trial, verified
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.rollout.towards import plan_all_goals
 from drivegen.simulators.batch import CHUNK
 from drivegen.world.outcome import DrivingOutcome

@@ -8,9 +8,9 @@ from drivegen.core.rejections import Rejections
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
 from drivegen.generators.base import Settings
-from drivegen.rollout.batch import choose, recorded_choices, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import Choices, choose, recorded_choices
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices
 from drivegen.store.goals import GoalColumns
 
 ABOUT = Method(

@@ -9,7 +9,6 @@ planned again, a bounded number of times. So are those who turn out to owe the w
 """
 
 from dataclasses import dataclass, replace
-from operator import itemgetter
 from typing import Annotated
 
 import numpy as np
@@ -17,22 +16,14 @@ from numpy.typing import NDArray
 
 from drivegen.checker.limits import FLAGS, YIELD_GAP, Limits
 from drivegen.checker.scene import SceneChecker, Severities
-from drivegen.core import seeds
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.rejections import Rejections
 from drivegen.core.samples import NO_GOAL, Samples, Violation
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.settings import Index, Within
-from drivegen.goals.candidates import Candidates
-from drivegen.goals.joint import PENALTY, SWEEPS, draw_together, gumbel, in_tempo, orders, tempos
-from drivegen.goals.outlook import Outlooks
 from drivegen.roads.leaving import Exits
-
-Probabilities = list[NDArray[np.float32]]
-"""One array (C,) per vehicle of a scenario, over its candidates."""
-
-FAILED = 3.0
-"""Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
+from drivegen.rollout.choices import Choices, Probabilities
+from drivegen.rollout.draws import GoalDraws
 
 MOST = 16
 """Rounds, and attempts in each, at most: an attempt's number has eight bits of its request's seed (`batch._row_seeds`)."""
@@ -66,30 +57,12 @@ class RolloutSettings:
     tempo: Annotated[float, Within(0.0, 0.95)]
 
 
-@dataclass(frozen=True)
-class Choices:
-    """A scenario with the goals that its vehicles may take.
-
-    Attributes:
-        scenario: the scenario, N vehicles.
-        candidates: N Candidates.
-        natural: N arrays (C,), the selector's own probabilities.
-        used: N arrays (C,), those that goals are drawn with.
-    """
-
-    scenario: Scenario
-    candidates: list[Candidates]
-    natural: Probabilities
-    used: Probabilities
-
-
 class Rollout:
     """What is committed, what is pending, and the best of what was illegal so far.
 
     `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
-    each pending one. Q candidates of all vehicles stand one below the other; `start` (N + 1,) are the rows of each vehicle.
-    Where the motion of the `target` (K, T) is known, it stands from the beginning and is neither planned nor moved aside.
-    What is turned down is noted in `rejections`, if given.
+    each pending one. Where the motion of the `target` (K, T) is known, it stands from the beginning and is neither planned nor
+    moved aside. What is turned down is noted in `rejections`, if given.
     """
 
     def __init__(
@@ -104,7 +77,6 @@ class Rollout:
     ) -> None:
         scenario, count = choice.scenario, len(choice.scenario.vehicles)
         self.choice, self.settings, self.turn, self.rejections = choice, settings, 0, rejections
-        self.turned_down: list[tuple[int, int, int, int, NDArray[np.float32]]] = []
         self.checker = SceneChecker(scenario, limits)
         self.exits = Exits.of(scenario.map)
         self.motion = Trajectories.empty(samples, count, scenario.steps)
@@ -119,46 +91,19 @@ class Rollout:
             self.pending[:, TARGET] = False
             self.evictions[:, TARGET] = settings.evictions
         self.target_steps = steps_to_avoid_target(scenario, settings.target_steps)
-        self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
-        self.start = self.outlooks.start
-        self.exclusive = self.outlooks.exclusions() if settings.exclusion else np.zeros((self.start[-1],) * 2, np.bool_)
-        self._draw_goals(np.concatenate(choice.used), samples, seed)
-
-    def _draw_goals(self, used: NDArray[np.floating], samples: int, seed: int) -> None:
-        """Draw `first` (K, N), the goals that all begin with, by odds `used` (Q,), and `score` (K, Q), by which others follow."""
-        name, tempo = self.choice.scenario.scenario_id, self.settings.tempo
-        noise = gumbel(seed, name, samples, len(used))
-        odds = used
-        if tempo > 0:  # own odds to the bit where vehicles have nothing in common
-            odds = in_tempo(used, self.start, self.outlooks.distance, tempos(seed, name, samples), tempo)
-        order = orders(seeds.rng(seed, "order", name), SWEEPS, samples, len(self.start) - 1)
-        self.first = draw_together(odds, self.start, self.exclusive, noise, order)
-        with np.errstate(divide="ignore"):
-            self.score = np.log(used.astype(np.float64)) + noise[0]
-        self.failed = np.zeros((samples, len(used)), np.int64)
+        self.draws = GoalDraws(choice, self.target_steps, samples, seed, exclusion=settings.exclusion, tempo=settings.tempo)
 
     def rows_to_plan(self, turn: int) -> NDArray[np.int64]:
         """Rows (sample, vehicle, candidate, attempt) that are to be planned in round `turn`."""
         self.turn = turn
         pending = np.argwhere(self.pending)
         if turn == 0:
-            return np.column_stack([pending, self.first[self.pending], np.zeros(len(pending), np.int64)])
+            return np.column_stack([pending, self.draws.first[self.pending], np.zeros(len(pending), np.int64)])
         rows: list[tuple[int, int, int, int]] = []
         for k, n in pending.tolist():
-            rows.extend((k, n, c, turn * MOST + a) for a, c in enumerate(self._next_goals(k, n)))
+            goals = self.draws.next_goals(k, n, self.motion[k], self.checker.size, self.settings.attempts)
+            rows.extend((k, n, c, turn * MOST + a) for a, c in enumerate(goals))
         return np.array(rows, np.int64).reshape(-1, 4)
-
-    def _next_goals(self, k: int, n: int) -> list[int]:
-        """The goals to try next for vehicle n of sample k, the likeliest first; a goal may be tried more than once."""
-        own = slice(self.start[n], self.start[n + 1])
-        met = self.outlooks.meetings(n, self.motion[k], self.checker.size)
-        score = self.score[k, own] - PENALTY * met - FAILED * self.failed[k, own]
-        chosen = []
-        for _ in range(self.settings.attempts):
-            best = int(np.argmax(score))
-            chosen.append(best)
-            score[best] -= FAILED
-        return chosen
 
     def _others(self, n: int, samples: int | slice = slice(None)) -> Trajectories:
         """What is committed in `samples` (..., N, T) and vehicle n has to avoid."""
@@ -181,7 +126,6 @@ class Rollout:
             self._commit_vehicle(n, rows[own], motion[own], alone[own])
         if self.turn + 1 < self.settings.rounds:
             self._send_back()
-        self._note_turned_down()
 
     def _send_back(self) -> None:
         """Who does not give way to those that were committed after it is planned again, a bounded number of times."""
@@ -232,16 +176,9 @@ class Rollout:
             self.spare.put((k, n), motion[chosen])
 
     def _turn_down(self, k: int, judged: int, n: int, violation: int, position: NDArray[np.float32]) -> None:
-        """Remember a trajectory (T, 2) of vehicle n in sample k that fell when vehicle `judged` was judged."""
+        """Note a trajectory (T, 2) of vehicle n in sample k that fell when vehicle `judged` was judged."""
         if self.rejections is not None:
-            self.turned_down.append((k, judged, n, violation, position.copy()))
-
-    def _note_turned_down(self) -> None:
-        """Note what was turned down in this round, sample by sample."""
-        if self.rejections is not None:
-            for k, judged, n, violation, position in sorted(self.turned_down, key=itemgetter(0, 1)):
-                self.rejections.add(k, n, violation, position, made_way=n != judged)
-        self.turned_down = []
+            self.rejections.add((self.turn, k, judged), n, violation, position)
 
     def _first_legal(
         self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, violation: NDArray[np.uint16]
@@ -250,7 +187,7 @@ class Rollout:
         legal = np.flatnonzero(violation == 0)
         if len(legal):
             return int(legal[0]), int(legal[0]) + 1
-        np.add.at(self.failed[k], self.start[n] + candidate, 1)
+        self.draws.fail(k, n, candidate)
         blocked = np.flatnonzero(violation == Violation.COLLISION)
         if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
             return int(blocked[0]), len(violation)

@@ -15,7 +15,7 @@ from drivegen.planners.shared.requests import moved
 from drivegen.roads.leaving import Exits
 from drivegen.roads.reach import stopping_distance
 from drivegen.rollout.batch import BRAKING, goal_requests
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 
 NEAR = 1 << 20
 """The stream of noise that places near a goal are drawn from, apart from that of the motion towards them."""

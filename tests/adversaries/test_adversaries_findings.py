@@ -13,7 +13,7 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers import idm
 from drivegen.report.published.corner import corner_rows
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.selectors.random import Plugin as Random
 from drivegen.world.outcome import CollisionKind, DrivingOutcome
 from drivegen.world.reactive import Reaction

@@ -13,7 +13,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET
 from drivegen.core.settings import build, read_section
 from drivegen.drivers import idm
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
 from tests.models import ROOT, candidate_settings, planner

@@ -16,7 +16,7 @@ from drivegen.corner_cases.trials import Variants
 from drivegen.drivers.mutants.table import Mutant, mutated
 from drivegen.metrics.mutation_score import Settings, scored
 from drivegen.metrics.paired import chance
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.selectors.random import Plugin as Random
 from drivegen.simulators.batch import Plugin as Batch
 from tests.adversaries.test_adversaries_contract import attack, ground  # noqa: F401  # a fixture

@@ -12,7 +12,7 @@ from drivegen.adversaries.shared.shift import Shift
 from drivegen.adversaries.shared.variation import Variation, odds_of_nearest, with_variations
 from drivegen.core.scenario import Trajectories
 from drivegen.drivers import idm
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.rollout.towards import Spread, plan_near_goals
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS

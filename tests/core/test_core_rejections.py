@@ -10,9 +10,10 @@ from drivegen.core.samples import Violation
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.goals.candidates import candidates
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import Choices, choose
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices, Rollout, RolloutSettings
+from drivegen.rollout.scene import Rollout, RolloutSettings
 from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road

@@ -11,9 +11,8 @@ from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.exposure.law import NaturalLaw
 from drivegen.goals.joint import PENALTY
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import Choices, choose
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices
 from drivegen.rollout.towards import plan_all_goals
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing

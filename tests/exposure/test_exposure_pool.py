@@ -9,7 +9,7 @@ from drivegen.adversaries.shared.ground import logged
 from drivegen.core.seeds import rng
 from drivegen.drivers import idm
 from drivegen.exposure.pool import Exposure, Pool, draw_scenes, with_enough
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.world.observation import Action, Observation
 from drivegen.world.reactive import Reaction

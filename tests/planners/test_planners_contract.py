@@ -13,7 +13,7 @@ from drivegen.core.geometry import wrap_angle
 from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared import motion
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.rollout.towards import plan_all_goals
 from drivegen.selectors.random import Plugin as Uniform
 from drivegen.training.weights import read_weights, write_weights

@@ -15,9 +15,8 @@ from drivegen.checker.scene import SceneChecker
 from drivegen.core.scenario import Scenario
 from drivegen.goals.joint import SWEEPS, draw_together, gumbel, orders
 from drivegen.goals.outlook import Outlooks
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import Choices, choose
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices
 from drivegen.rollout.towards import plan_all_goals
 from tests.models import candidate_settings
 from tests.scenes import drive, joined, scenario, stack, straight_road

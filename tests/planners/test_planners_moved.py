@@ -7,7 +7,8 @@ import pytest
 
 from drivegen.planners.base import PlanRequests
 from drivegen.planners.shared.requests import moved
-from drivegen.rollout.batch import choose, goal_requests
+from drivegen.rollout.batch import goal_requests
+from drivegen.rollout.choices import choose
 from drivegen.selectors.random import Plugin as Random
 from tests.models import candidate_settings, two_lanes
 

@@ -10,9 +10,10 @@ from drivegen.core.samples import Samples, Violation
 from drivegen.goals.candidates import candidates
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import BRAKING, choose, goal_requests, roll_out, tempered
+from drivegen.rollout.batch import BRAKING, goal_requests, roll_out
+from drivegen.rollout.choices import Choices, choose, tempered
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices, RolloutSettings
+from drivegen.rollout.scene import RolloutSettings
 from drivegen.selectors.log import Plugin as LogSelector
 from tests.checking import LIMITS
 from tests.models import candidate_settings

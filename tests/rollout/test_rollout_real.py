@@ -10,7 +10,8 @@ from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario, Trajectories, VehicleKind
 from drivegen.datasets import argoverse2
 from drivegen.ingest.selection import Settings, select
-from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.choices import choose
 from drivegen.rollout.models import Equipment
 from drivegen.sumo.windows import overlapping_pairs
 from stages import rollout

@@ -15,9 +15,10 @@ from drivegen.goals.joint import draw_together
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import BRAKING, choose, goal_requests, recorded_choices, roll_out, tempered
+from drivegen.rollout.batch import BRAKING, goal_requests, roll_out
+from drivegen.rollout.choices import Choices, choose, recorded_choices, tempered
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices, Rollout, RolloutSettings, steps_to_avoid_target
+from drivegen.rollout.scene import Rollout, RolloutSettings, steps_to_avoid_target
 from drivegen.rollout.towards import Spread, plan_all_goals, plan_near_goals
 from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
@@ -108,7 +109,7 @@ def test_first_goals_follow_the_odds_they_are_drawn_with(equipment, choices):
 def test_without_a_tempo_first_goals_are_drawn_with_the_own_odds_to_the_bit(equipment, choices, monkeypatch, tempo):
     given = []
     monkeypatch.setattr(
-        "drivegen.rollout.scene.draw_together", lambda odds, *rest: given.append(odds) or draw_together(odds, *rest)
+        "drivegen.rollout.draws.draw_together", lambda odds, *rest: given.append(odds) or draw_together(odds, *rest)
     )
     rolled(equipment, choices, tempo=tempo, rounds=1)
     own = [np.concatenate(choice.used) for choice in choices]

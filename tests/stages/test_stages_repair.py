@@ -15,7 +15,7 @@ from drivegen.core.intervals import recording
 from drivegen.core.scenario import TARGET
 from drivegen.drivers import idm
 from drivegen.drivers.shared.tuning import exemplary, mixed
-from drivegen.rollout.batch import choose
+from drivegen.rollout.choices import choose
 from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import write_json
 from drivegen.store.samples import write_samples

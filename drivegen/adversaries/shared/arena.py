@@ -18,7 +18,7 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.planners.base import Planner
 from drivegen.roads.leaving import STAYS, Exits, left_from
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.simulators.shared.drives import numbered
 from drivegen.world.outcome import CollisionKind, DrivingOutcome
 

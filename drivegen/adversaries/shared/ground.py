@@ -13,7 +13,8 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario
 from drivegen.planners.base import Planner
 from drivegen.rollout.batch import roll_out
-from drivegen.rollout.scene import Choices, RolloutSettings
+from drivegen.rollout.choices import Choices
+from drivegen.rollout.scene import RolloutSettings
 
 
 def sampled(choices: Sequence[Choices], samples: Sequence[Samples], scenes: int, planner: Planner, limits: Limits) -> Ground:

@@ -28,7 +28,7 @@ from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.tuning import exemplary
 from drivegen.planners.base import Planner
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.choices import Choices
 from drivegen.world.reactive import Reaction
 
 BEFORE, LONGER, REPAIRED = VERSIONS = ("before", "longer", "repaired")
