@@ -13,7 +13,7 @@ from flows.pipeline import locked
 COSTS = Path(".drivegen/costs")
 CODE = Path(".drivegen/code.json")
 
-_MAKES_RUNS = ("drivegen", "stages", "dvc.yaml", "params.yaml", "constraints.txt")
+_MAKES_RUNS = ("drivegen", "stages", "flows", "dvc.yaml", "params.yaml", "pyproject.toml", "constraints.txt")
 """What runs depend on: other files may differ from the commit."""
 
 

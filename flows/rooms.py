@@ -19,7 +19,7 @@ QUALITY, MAPS, DRIVERS, CORNER, RATES = PARTS = ("quality", "maps", "drivers", "
 
 DOORS = {
     QUALITY: ("publish", ROOMS),
-    MAPS: ("publish_maps", ROOMS / "pieces" / "reports"),
+    MAPS: ("publish_maps", ROOMS / "pieces"),
     DRIVERS: ("publish_drivers", ROOMS / DRIVERS),
     CORNER: ("publish_corner", ROOMS / CORNER),
     RATES: ("publish_rates", ROOMS / RATES),
@@ -118,7 +118,7 @@ def _opened(section: Any) -> dict[str, Any]:
 
 
 def placed(value: Any, folder: str) -> Any:
-    """`value` with the folder of real recordings where it says FOLDER, one level deep."""
+    """`value` with the folder of real recordings wherever it is FOLDER, at any depth."""
     if isinstance(value, dict):
         return {key: placed(item, folder) for key, item in value.items()}
     return folder if value == "FOLDER" else value

@@ -67,6 +67,7 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     note_code(Path(), root)
     if like := nearest(room, done):
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
+    if done:
         workspace.share_compiled(ROOMS / done[-1].name, root)
     pipeline.restore(root)
     plan = pipeline.read(root, measures=True)

@@ -26,8 +26,8 @@ LIKE = "like"
 CHECKPOINTS = Path(".drivegen/checkpoints")
 """Where trainings keep what they go on from after they were interrupted."""
 
-PAID = {"lm_store": "*/*.json", ".drivegen/calls": f"*-{'[0-9a-f]' * 12}.parquet"}
-"""Folders of language models' answers and of rows of what they cost, and which files count: rows of replays have no number."""
+ANSWERS, CALLS = "lm_store", ".drivegen/calls"
+"""Folders of language models' answers, where parameters name no other, and of rows of what they cost."""
 
 _LOCKS = Path(".drivegen/locks")
 
@@ -88,12 +88,23 @@ def bring_home(room: Path, source: Path) -> None:
 
     To be called when a run ends and, for one that was killed, before its workspace is made anew.
     """
-    for folder, files in PAID.items():
-        for file in (room / folder).glob(files):
-            home = source / file.relative_to(room)
-            if not home.exists() or home.stat().st_mtime < file.stat().st_mtime:
-                home.parent.mkdir(parents=True, exist_ok=True)
-                write_whole(home, file.read_bytes())
+    for file in _paid(room):
+        home = source / file.relative_to(room)
+        if not home.exists() or home.stat().st_mtime < file.stat().st_mtime:
+            home.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(home, file.read_bytes())
+
+
+def _paid(room: Path) -> Iterator[Path]:
+    """Answers in the folder that the workspace's parameters name, unless it is elsewhere, and rows of calls.
+
+    Rows of replays have no number and were not paid for.
+    """
+    params = read_yaml(room / PARAMS[0]) if (room / PARAMS[0]).exists() else {}
+    answers = Path(params.get("lm", {}).get("records", {}).get("folder", ANSWERS))
+    if not answers.is_absolute() and ".." not in answers.parts:
+        yield from (room / answers).glob("*/*.json")
+    yield from (room / CALLS).glob(f"*-{'[0-9a-f]' * 12}.parquet")
 
 
 def share_compiled(source: Path, target: Path) -> None:

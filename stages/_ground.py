@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self, TypeVar
 
-import pyarrow.parquet as pq
-
 from drivegen.adversaries.shared.arena import Ground
 from drivegen.adversaries.shared.ground import logged, sampled
 from drivegen.checker.limits import Limits
@@ -18,7 +16,7 @@ from drivegen.rollout.models import read_planner
 from drivegen.store.goals import read_goals
 from drivegen.store.lookup import evenly, shared
 from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import count, read_shard, shards
 from stages._door import require
 
 _Row = TypeVar("_Row", Choices, Samples)
@@ -63,5 +61,5 @@ def _spread(rows: "Sequence[_Row]", most: int) -> "list[_Row]":
 def shares(split: Path, total: int) -> list[tuple[Path, int]]:
     """`total` shared out among the shards of a split by what each holds; none that gets nothing."""
     files = shards(require(split, "run the ingest stage"))
-    parts = shared(total, [pq.read_metadata(file).num_rows for file in files])
+    parts = shared(total, [count(file) for file in files])
     return [(file, part) for file, part in zip(files, parts, strict=True) if part]

@@ -18,7 +18,7 @@ from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.drivers.base import Driver
-from drivegen.metrics.driving import driving_summary
+from drivegen.metrics.driving import NEIGHBOURS, driving_summary
 from drivegen.simulators.shared.drives import Drives
 from drivegen.store.files import write_json
 from drivegen.store.lookup import futures_in, logs_in
@@ -32,7 +32,6 @@ from stages._driven_by import weights_of
 
 LOG = "log"
 SIMULATOR = "batch"
-KINDS = ("", "reactive.")
 """What metrics begin with where neighbours are replayed, and where they react."""
 
 
@@ -76,12 +75,12 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
 
 
 def _drive_all(driver: Driver, scenarios: Path, generated: Path | None, params: Params, what: str) -> dict[str, Drives]:
-    """Drives among neighbours of both KINDS, by the beginning of their metrics' names."""
+    """Drives among neighbours of both kinds, by what their metrics' names begin with."""
     tasks = [(driver, shard, generated, params.reaction) for shard in shards(scenarios)]
     parts = [part for _, part in spread(_drive_shard, tasks, params.workers, what) if part]
     if not parts:
         raise UnusableInput(f"{scenarios} holds no scenario with traffic to drive through", reason="no-scenarios")
-    return {kind: Drives.joined([part[kind] for part in parts]) for kind in KINDS}
+    return {kind: Drives.joined([part[kind] for part in parts]) for kind in NEIGHBOURS.values()}
 
 
 def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction]) -> dict[str, Drives]:
@@ -94,7 +93,7 @@ def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction]) -> dict[str, 
     simulator = plugins.load("simulators", SIMULATOR)
     return {
         kind: Drives.of(simulator(reaction=reaction if kind else None, counts_lights=True), driver, traffic, paths)
-        for kind in KINDS
+        for kind in NEIGHBOURS.values()
     }
 
 

@@ -20,7 +20,7 @@ from drivegen.core.intervals import percentiles, recording, resamplings
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
-from drivegen.metrics.driving import run_numbers, spread_over_runs
+from drivegen.metrics.driving import NEIGHBOURS, run_numbers, spread_over_runs
 from drivegen.metrics.near_miss import rich_in_encounters
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_in
@@ -31,7 +31,6 @@ from drivegen.world.reactive import Reaction
 from stages._door import require, spread
 
 SIMULATOR = "batch"
-NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
 Numbers = dict[str, NDArray[Any]]
 
 

@@ -10,8 +10,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import pyarrow.parquet as pq
-
 from drivegen.core import plugins
 from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
@@ -28,7 +26,7 @@ from drivegen.selectors.vlm import Settings as AskingSettings
 from drivegen.store.files import write_json
 from drivegen.store.goals import write_goals
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import count, read_shard, shards
 from stages._door import read_params, require, spread
 
 _SCENES = 3  # whose questions are really made for the forecast of what calls will cost
@@ -83,7 +81,7 @@ def main(params: Params, scenarios: Path, model: Path, goals: Path, results: Pat
 
 def _forecast(files: list[Path], selector: AskingSelector, model: LanguageModel, settings: Settings) -> str:
     """What the calls will cost, from the questions about the first scenes."""
-    total = sum(pq.read_metadata(shard).num_rows for shard in files)  # a row is a scenario
+    total = sum(map(count, files))
     first = [_offered(first_frame(scenario), settings) for scenario in read_shard(files[0])[:_SCENES]]
     return model.forecast(*selector.questions(first), total / max(len(first), 1))
 

@@ -27,6 +27,7 @@ from drivegen.placement.table import Table
 from drivegen.roads.graph import LaneGraph
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
+from drivegen.store.lookup import evenly
 from drivegen.store.scenarios import read_shard, shards
 from stages._code_library import library
 from stages._door import read_params, require
@@ -48,7 +49,8 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
     draws = Draws(Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps)))
     own = OnLogs(table, draws, read_params("place.initial", Settings), params.seed)
-    logs = _spread(_logged(scenarios / "test"), params.scenes)
+    logged = _logged(scenarios / "test")
+    logs = [logged[row] for row in evenly(len(logged), params.scenes)]
     rivals = _rivals(models, scenarios, params.seed)
     names = [*own.names, *rivals]
     truth: list[Beginning] = []
@@ -102,9 +104,3 @@ def _rivals(models: Path, scenarios: Path, seed: int) -> Mapping[str, Placement]
 def _logged(split: Path) -> list[Scenario]:
     files = shards(require(split, "run the ingest stage"))
     return [without_parked(scenario) for file in files for scenario in read_shard(file) if scenario.log is not None]
-
-
-def _spread(scenarios: list[Scenario], most: int) -> list[Scenario]:
-    """At most `most` of them, at equal distances in their order."""
-    rows = np.linspace(0, len(scenarios), min(most, len(scenarios)), endpoint=False).astype(int)
-    return [scenarios[row] for row in rows]

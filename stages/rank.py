@@ -54,24 +54,27 @@ def main(params: Params, scenarios: Path, generated: Path, weights: Path, result
     """Every driver through every method's traffic."""
     files = shards(require(scenarios, "run the ingest stage"))
     tables: list[pa.Table] = []
+    runs = 0
     for method in (LOG, *params.methods):
         folder = None if method == LOG else require(generated / method, "run the rollout stages")
         inputs = [scenarios, weights, *([folder] if folder else [])]
         tasks = [Task(file, folder and folder / file.name, params) for file in files]
-        for _, (ids, numbers) in spread(_drive_shard, tasks, params.workers, f"rank {method}"):
+        for _, (ids, numbers, driven) in spread(_drive_shard, tasks, params.workers, f"rank {method}"):
+            runs += driven
             for driver, metrics in numbers.items():
                 run = Run.of("rank", results.stem, asdict(params), inputs, method=method, driver=driver, backend=SIMULATOR)
                 tables.append(result_rows(run, ids, metrics))
     write_results(results, tables)
-    return {"runs": float(sum(len(table) for table in tables))}
+    return {"runs": float(runs)}
 
 
-def _drive_shard(task: Task) -> tuple[list[str], Numbers]:
+def _drive_shard(task: Task) -> tuple[list[str], Numbers, int]:
+    """The scenarios, what each driver did in them, and how many runs that were."""
     pairs = _traffic(task)
     ids = list(dict.fromkeys(scenario.scenario_id for scenario, _ in pairs))
     scene = np.array([ids.index(scenario.scenario_id) for scenario, _ in pairs], np.intp)
     if not ids:
-        return [], {}
+        return [], {}, 0
     scenarios, traffic = [scenario for scenario, _ in pairs], [motion for _, motion in pairs]
     drivers = _drivers(task.params)
     outcomes = plugins.load("simulators", SIMULATOR)().run_each(list(drivers.values()), scenarios, traffic)
@@ -83,7 +86,7 @@ def _drive_shard(task: Task) -> tuple[list[str], Numbers]:
             "collision": outcome.collided,
         }
         numbers[name] = {metric: np.bincount(scene, value) / np.bincount(scene) for metric, value in happened.items()}
-    return ids, numbers
+    return ids, numbers, len(pairs) * len(drivers)
 
 
 def _traffic(task: Task) -> list[tuple[Scenario, Trajectories]]:

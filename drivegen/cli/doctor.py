@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -176,20 +176,26 @@ def loopback() -> Finding:
 
 
 def language_models() -> Iterator[Finding]:
-    """One tiny call of each role's model; roles that share one share the call."""
+    """One tiny call of each role's model; roles that share one share the call, and its failure."""
     from drivegen.cli._lm import role, tiny_call
     from drivegen.lm.settings import ROLES
 
-    findings: dict[tuple[str, str, str, str], Finding] = {}
+    answers: dict[tuple[str, str, str, str, str], tuple[bool, str]] = {}
     for name in ROLES:
-        what = f"language model for {name}"
+        what, remedy = f"language model for {name}", f"see lm.{name} in params.yaml"
         try:
             settings = role(name, None, None)
-            key = (settings.backend, settings.model, settings.base_url, settings.output)
-            if settings.backend == "offline":
-                findings[key] = Finding(what, None, "none configured", f"not needed; see lm.{name} in params.yaml")
-            elif key not in findings:
-                findings[key] = Finding(what, True, f"{settings.model} {tiny_call(settings)}")
-            yield replace(findings[key], what=what)
         except DriveGenError as error:
-            yield Finding(what, False, str(error), f"see lm.{name} in params.yaml")
+            yield Finding(what, False, str(error), remedy)
+            continue
+        if settings.backend == "offline":
+            yield Finding(what, None, "none configured", f"not needed; {remedy}")
+            continue
+        asked = (settings.backend, settings.model, settings.base_url, settings.key, settings.output)
+        if asked not in answers:
+            try:
+                answers[asked] = True, f"{settings.model} {tiny_call(settings)}"
+            except DriveGenError as error:
+                answers[asked] = False, str(error)
+        good, found = answers[asked]
+        yield Finding(what, good, found, "" if good else remedy)

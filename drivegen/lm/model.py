@@ -229,10 +229,13 @@ class LanguageModel:
 
     @contextmanager
     def _noting_a_break(self, rows: Sequence[Call]) -> Iterator[None]:
-        """Calls that somebody breaks off (Ctrl-C) are rows, too: they are under way, and may be billed."""
+        """Calls that somebody breaks off are rows, too: they are under way, and may be billed.
+
+        Ctrl-C is a KeyboardInterrupt, and any signal that our command line heeds a SystemExit.
+        """
         try:
             yield
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemExit):
             for row in rows:
                 self.ledger.add(replace(row, outcome="interrupted"))
             raise

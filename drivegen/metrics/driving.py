@@ -25,6 +25,9 @@ from drivegen.core.geometry import rotate
 from drivegen.core.intervals import bootstrap_means, percentiles, resamplings
 from drivegen.core.scenario import DT, Trajectories
 
+NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
+"""Kinds of neighbours -> what names of metrics of runs among them begin with."""
+
 RATIOS = (("progress", "distance", "planned_distance"), ("red_share", "red_run", "red_lights"))
 """Names of ratios, and of the metrics that they are of."""
 

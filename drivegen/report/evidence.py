@@ -96,5 +96,10 @@ class Evidence:
         ingest = self.results.get("ingest")
         if not isinstance(ingest, Mapping) or not ingest.get("trained_on"):
             return ()
-        sentences = [f"Models were trained on: {ingest['trained_on']}", str(ingest.get("note") or "")]
-        return (" ".join(f"{sentence.rstrip('.')}." for sentence in sentences if sentence),)
+        return (words_of_training(ingest),)
+
+
+def words_of_training(ingest: Mapping[str, Any]) -> str:
+    """What the results of the stage ingest say about what models were trained on, with its note, in sentences."""
+    sentences = [f"Models were trained on: {ingest['trained_on']}", str(ingest.get("note") or "")]
+    return " ".join(f"{sentence.rstrip('.')}." for sentence in sentences if sentence)

@@ -31,17 +31,18 @@ class GoalDraws:
         tempo: float,
     ) -> None:
         """`target_steps` (N,) as `Outlooks` has them; `exclusion` and `tempo` as `RolloutSettings`."""
-        name, odds = choice.scenario.scenario_id, np.concatenate(choice.used)
+        name, used = choice.scenario.scenario_id, np.concatenate(choice.used)
         self._outlooks = Outlooks.of(choice.scenario, choice.candidates, target_steps)
         self._start = self._outlooks.start
-        noise = gumbel(seed, name, samples, len(odds))
+        noise = gumbel(seed, name, samples, len(used))
         with np.errstate(divide="ignore"):
-            self._score = np.log(odds.astype(np.float64)) + noise[0]
-        self._failed = np.zeros((samples, len(odds)), np.int64)
-        exclusive = self._outlooks.exclusions() if exclusion else np.zeros((len(odds),) * 2, np.bool_)
+            self._score = np.log(used.astype(np.float64)) + noise[0]
+        self._failed = np.zeros((samples, len(used)), np.int64)
+        exclusive = self._outlooks.exclusions() if exclusion else np.zeros((len(used),) * 2, np.bool_)
         order = orders(seeds.rng(seed, "order", name), SWEEPS, samples, len(self._start) - 1)
+        odds: NDArray[np.floating] = used
         if tempo > 0:  # own odds to the bit where vehicles have nothing in common
-            odds = in_tempo(odds, self._start, self._outlooks.distance, tempos(seed, name, samples), tempo)
+            odds = in_tempo(used, self._start, self._outlooks.distance, tempos(seed, name, samples), tempo)
         self.first = draw_together(odds, self._start, exclusive, noise, order)
 
     def fail(self, sample: int, vehicle: int, goals: NDArray[np.int64]) -> None:

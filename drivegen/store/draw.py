@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
@@ -13,6 +12,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.seeds import rng
 from drivegen.store.goals import GoalColumns, read_goals
 from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import count as count_rows
 from drivegen.store.scenarios import read_shard, shards
 
 
@@ -30,7 +30,7 @@ def draw_places(seed: int, scenarios: Path, count: int) -> list[tuple[Path, int]
 
     The first scenes are the same whatever the count.
     """
-    places = [(file, row) for file in shards(scenarios) for row in range(pq.read_metadata(file).num_rows)]
+    places = [(file, row) for file in shards(scenarios) for row in range(count_rows(file))]
     order = rng(seed, "draw").permutation(len(places))[:count]
     return [places[int(place)] for place in order]
 

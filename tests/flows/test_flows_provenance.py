@@ -116,9 +116,16 @@ def test_a_run_knows_its_commit_and_whether_what_makes_runs_differs_from_it(tmp_
     (source / "README.md").write_text("words")
     note_code(source, tmp_path / "room")
     assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is False
-    (source / "params.yaml").write_text("run: {seed: 8}")
+    for name in ("params.yaml", "stages/params.yaml", "flows/tables.yaml", "drivegen/a.py", "pyproject.toml", "constraints.txt"):
+        file = source / name
+        before = file.read_bytes() if file.exists() else None
+        file.parent.mkdir(exist_ok=True)
+        file.write_text("run: {seed: 8}")
+        note_code(source, tmp_path / "room")
+        assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is True, name
+        file.unlink() if before is None else file.write_bytes(before)
     note_code(source, tmp_path / "room")
-    assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is True
+    assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is False
 
 
 def test_without_git_a_run_knows_nothing_of_its_code(tmp_path: Path, monkeypatch) -> None:

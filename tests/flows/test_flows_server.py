@@ -73,3 +73,4 @@ def test_the_second_of_two_flows_begun_at_once_starts_its_server_when_the_first_
     with server.local_server(tmp_path, meanwhile):
         second.join(10.0)
     assert (tmp_path / "server.log").read_text() == "server 1\nserver 2\n"
+    assert [command[command.index("--host") + 1] for command in begun] == ["127.0.0.1"] * 2

@@ -137,8 +137,11 @@ def source(tmp_path: Path) -> Path:
     return source
 
 
-def test_what_was_paid_for_in_a_run_outlives_it(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    room, answers, calls = tmp_path / "rooms" / "7-7", Path("lm_store/aa"), Path(".drivegen/calls")
+@pytest.mark.parametrize("folder", ["lm_store", "answers"])
+def test_what_was_paid_for_in_a_run_outlives_it(source: Path, tmp_path: Path, monkeypatch, folder: str) -> None:
+    room, answers, calls = tmp_path / "rooms" / "7-7", Path(f"{folder}/aa"), Path(".drivegen/calls")
+    if folder != "lm_store":
+        (source / "params.yaml").write_text(f"lm: {{records: {{folder: {folder}}}}}")
     (source / answers).mkdir(parents=True)
     for name in ("untouched", "asked again", "asked again meanwhile"):
         (source / answers / f"{name}.json").write_text("before")

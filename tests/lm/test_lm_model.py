@@ -165,11 +165,12 @@ def test_a_server_that_is_not_there_is_a_typed_failure(tmp_path):
     assert failure.value.reason == "unreachable"
 
 
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, SystemExit])
 @pytest.mark.parametrize(("way", "ask", "words"), [("reply", "ask", question()), ("replies", "ask_many", [question()])])
-def test_a_call_that_is_broken_off_is_a_row_for_it_may_be_billed(tmp_path, monkeypatch, way, ask, words):
-    monkeypatch.setattr(plugins.load("lm.backends", "openai"), way, Mock(side_effect=KeyboardInterrupt))
+def test_a_call_that_is_broken_off_is_a_row_for_it_may_be_billed(tmp_path, monkeypatch, way, ask, words, stop):
+    monkeypatch.setattr(plugins.load("lm.backends", "openai"), way, Mock(side_effect=stop))
     asked = model(tmp_path, "http://127.0.0.1:9/v1")
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(stop):
         getattr(asked, ask)(words)
     assert [(call.outcome, call.cost) for call in asked.ledger.calls] == [("interrupted", "unknown")]
 

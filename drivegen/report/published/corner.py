@@ -53,4 +53,4 @@ def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -
         for name, count in counts.items():
             if count:
                 price = {"metric": name, "value": 1000 * seconds / count, "low": None, "high": None, "n": int(count)}
-                yield {**about, "neighbours": "replayed", **price, "seeds": len(runs)}
+                yield {**about, "neighbours": "replayed", **price, "seeds": len(taken)}

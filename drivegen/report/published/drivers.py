@@ -68,8 +68,9 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         notes = (
             f"{PRIMARY_WORDS} {scenes(figures, there[0])} of {recordings} recordings. Figures are means over the policy seeds "
             "that all rows have, differences over those that both rows have, paired by scene and seed; 95 % intervals over "
-            "recordings crossed with policy seeds, of which three or five are few, so they hold less. The primary endpoint also "
-            "by each policy seed of a row. Comfort is the reciprocal of the mean absolute acceleration.",
+            "recordings crossed with policy seeds, of which three or five are few, so they hold less; of Div from the lowest end "
+            "of a policy seed's interval over recordings to the highest. The primary endpoint also by each policy seed of a row. "
+            "Comfort is the reciprocal of the mean absolute acceleration.",
             PROTOCOLS[protocol],
             *_with_cases(figures),
         )

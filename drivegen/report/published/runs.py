@@ -9,6 +9,7 @@ import orjson
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
+from drivegen.report.evidence import words_of_training
 from drivegen.report.published.costs import Took
 from drivegen.report.published.results import OURS, DataSet, Results, Run, set_numbers, split, tracks
 from drivegen.report.published.training import Trained
@@ -35,8 +36,20 @@ def read_data_set(
     results, left_out = split({method: read_results(places, method, _chosen_by(method, places[0])) for method in methods})
     scenes = folder / evaluated[0].folder / SCENARIOS
     logs = (scene for shard in (shards(scenes) if scenes.is_dir() else ()) for scene in read_shard(shard))
+    trained = words_of_training(read_json(places[0] / "ingest.json"))
     counted, added = tracks(logs, results), _added(places, results)
-    return DataSet(folder.name, title, _trained_on(places[0]), evaluated, about, results, by_scene, counted, added, left_out)
+    return DataSet(
+        folder.name,
+        title,
+        trained,
+        evaluated,
+        about,
+        results,
+        by_scene,
+        counted,
+        added,
+        left_out,
+    )
 
 
 def _added(places: Sequence[Path], methods: Mapping[str, Results]) -> dict[str, Results]:
@@ -63,12 +76,6 @@ def _methods(folder: Path, places: Sequence[Path], about: Mapping[str, Method]) 
     if missing := [file for file in expected if not file.exists()]:
         raise UnusableInput(f"{missing[0]} is not there, but another run has it: run `make tables`, or move this run elsewhere")
     return methods
-
-
-def _trained_on(metrics: Path) -> str:
-    """What a run's models were trained on, in words."""
-    ingest = read_json(metrics / "ingest.json")
-    return f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
 
 
 def _chosen_by(method: str, metrics: Path) -> str:

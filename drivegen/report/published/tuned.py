@@ -1,8 +1,9 @@
 """Figures of the paper's second table: drivers tuned on each method's scenes, tested on others, out of the stage `drive_tuned`.
 
-Every figure is a ratio of sums over scenes and policy seeds: those seeds that all rows of a driver have, in a difference those
-that both rows have. Intervals resample recordings, crossed with policy seeds, and all methods meet the same draws, so differences
-are paired by scene and by policy seed.
+Every figure but Div is a ratio of sums over scenes and policy seeds: those seeds that all rows of a driver have, in a difference
+those that both rows have. Intervals resample recordings, crossed with policy seeds, and all methods meet the same draws, so
+differences are paired by scene and by policy seed. Div is a number of a whole set of scenes: the mean of the policy seeds', from
+the lowest end of their intervals over recordings to the highest.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.intervals import Interval, counts, recording, resamplings
 from drivegen.core.seeds import rng
+from drivegen.metrics.driving import NEIGHBOURS
+from drivegen.metrics.pooled import envelope
 from drivegen.metrics.ranking import interval
 from drivegen.report.published.figures import as_columns
 
@@ -50,7 +53,6 @@ METRICS = {
 }
 """By name what is summed above and below; of shared columns there is one for both kinds of neighbours."""
 
-NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
 _SHARED = ("rich", "logged")
 
 _RENAMED = {"drivegen_true_goals": "true_goals"}
@@ -163,9 +165,9 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
             if not prefix:
                 yield from _by_seed(tests, driver, method, about)
             diversity = tests.diversity[driver, method, neighbours]
-            means = np.mean([diversity[one] for one in shared if one in diversity], axis=0)
+            of_seeds = [Interval(*diversity[one]) for one in shared if one in diversity]
             about["n"] = len(tests.recordings)
-            yield about | {"metric": "div"} | as_columns(Interval(*means.tolist()))
+            yield about | {"metric": "div"} | as_columns(envelope(of_seeds))
 
 
 def _by_seed(tests: Tests, driver: str, method: str, about: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivegen.core.scenario import DT
+from drivegen.metrics.driving import NEIGHBOURS
 from drivegen.report import plots
 from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import Table, measured, number, row
-
-NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
-"""Kinds of neighbours -> what metrics of runs among them begin with."""
 
 PAPER_COLUMNS = {"CR": "collision", "Dis [m]": "distance", "Comfort": "comfort_absolute", "Div": "spread_over_runs"}
 """The paper's columns -> names in a driver's or a round's JSON, in the readings that we compare with."""
