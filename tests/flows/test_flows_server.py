@@ -47,6 +47,15 @@ def test_a_proxy_is_not_asked_for_our_own_server(
         assert server.os.environ["no_proxy"] == no_proxy
 
 
+def test_nothing_leaves_the_machine_unless_somebody_wants_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in server.QUIET:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("PREFECT_LOGGING_SERVER_LEVEL", "INFO")
+    server.settle(tmp_path)
+    wanted = ("DO_NOT_TRACK", "PREFECT_SERVER_ANALYTICS_ENABLED", "PREFECT_LOGGING_SERVER_LEVEL")
+    assert [server.os.environ[name] for name in wanted] == ["1", "false", "INFO"]
+
+
 def test_the_second_of_two_flows_begun_at_once_starts_its_server_when_the_first_one_s_is_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

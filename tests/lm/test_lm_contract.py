@@ -52,6 +52,7 @@ def test_anthropics_protocol_is_spoken_with_the_key(tmp_path, monkeypatch):
         asked = model(tmp_path, url, backend="anthropic", output="prompted", key="MY_KEY")
         assert asked.ask(question()).place == 2
     assert server.headers[0]["authorization"] == "Bearer secret"
+    assert server.headers[0]["accept-encoding"] == "identity"  # a reply that unpacks to more than it says is refused
     assert "image/png" in str(server.requests[0])
     assert asked.ledger.calls[0].input_tokens == 7
 

@@ -1,5 +1,7 @@
 """The published table of error against diversity marks the settings that no other one beats."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from drivegen.core.intervals import Interval
@@ -41,6 +43,14 @@ def test_the_temperature_in_use_is_named_and_those_that_are_beaten_stand_below_t
     assert table.picture.startswith(b"<?xml")
     assert "![Error against diversity: some scenes](front-x.svg)" in table.markdown()
     assert "temperature in use" in front(data, at, pooled, None).markdown()
+
+
+def test_a_point_of_the_curve_is_of_the_first_training_seed():
+    """So is its diversity; the mean of two seeds would be of no model that anybody has."""
+    two = replace(results(2.0, 0.9), values={"mean_sade": np.array([[2.0, 2.0], [8.0, 8.0]])})
+    data = DataSet("x", "some scenes", "", (Run(7, 7), Run(8, 7)), ABOUT, {"drivegen": two}, by_scene=False)
+    table = front(data, {0.5: two}, {}, 0.4)
+    assert "2.00" in [cell.text for row in table.rows for cell in row.cells]
 
 
 def test_a_row_that_was_not_measured_is_not_said_to_be_beaten():

@@ -13,7 +13,7 @@ from drivegen.report.published.best import best
 from drivegen.report.published.costs import costs
 from drivegen.report.published.goals import goals
 from drivegen.report.published.index import index
-from drivegen.report.published.quality import cell, few, tables
+from drivegen.report.published.quality import cell, few, tables, training
 from drivegen.report.published.results import DataSet, Results, Run, pool, rows, set_numbers
 from drivegen.report.published.training import Trained, models
 from drivegen.report.table import Cell, Table
@@ -92,13 +92,21 @@ def test_what_drivegen_has_no_number_of_is_no_row_and_no_row_is_no_table():
     assert best(alone, pooled_of(alone), 50, rng(7, "best")) == []
 
 
-def test_without_an_interval_nobody_is_better_or_worse():
+@pytest.mark.parametrize("recordings", [1, 4])
+def test_without_an_interval_nobody_is_better_or_worse(recordings: int):
     data = data_set()
-    one = tuple(f"rec-00{n}" for n in range(8))
-    data = replace(data, methods={name: replace(found, scenarios=one) for name, found in data.methods.items()})
+    few = tuple(f"rec{n % recordings}-00{n}" for n in range(8))
+    data = replace(data, methods={name: replace(found, scenarios=few) for name, found in data.methods.items()})
     [table] = best(data, pooled_of(data), 50, rng(7, "best"))
     assert {row.cells[-1].text for row in table.rows} == {"ahead", "behind", "level"}
     assert "or there is no interval" in table.notes[0]
+
+
+def test_the_errors_of_who_learnt_from_more_stand_less_those_of_who_learnt_from_less():
+    less, more = data_set(), data_set(name="y", methods={"drivegen": results(0.5, min_sade=0.75)})
+    table = training(less, more, 50, rng(7, "training"))
+    found = {row.cells[0].text: [cell.text for cell in row.cells[1:4]] for row in table.rows}
+    assert found == {"DriveGen": ["1.00", "0.75", "-0.25"]}
 
 
 def test_only_who_plans_with_a_checker_has_a_share_of_rejected():

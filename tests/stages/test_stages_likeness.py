@@ -35,6 +35,12 @@ def test_traffic_is_not_apart_from_itself_and_each_source_has_a_column(corpus: P
     assert len(table.columns) == 4
 
 
+def test_distances_are_told_in_units_of_how_far_halves_of_real_driving_are_apart() -> None:
+    found = {"scenes": 2, "unit": dict.fromkeys(NAMES, 0.5), "distance": {"all": dict.fromkeys(NAMES, 2.0)}}
+    (table,) = section(Evidence(results={"likeness": found})).tables
+    assert {tuple(cell.text for cell in row.cells[1:]) for row in table.rows} == {("0.500", "4.00")}
+
+
 def test_without_real_data_the_table_says_so(corpus: Path, tmp_path: Path) -> None:
     main(PARAMS, corpus, tmp_path / "table.json")
     found = orjson.loads((tmp_path / "table.json").read_bytes())
