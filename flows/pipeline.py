@@ -27,6 +27,7 @@ from dvc.repo import Repo
 from dvc.scm import SCMError
 
 from flows import FlowFailed, attended
+from flows.costs import forget_costs
 from flows.mending import is_whole, mend, write_whole
 
 MEASURES = "stages/dvc.yaml"
@@ -36,7 +37,7 @@ _LOG = logging.getLogger("flows")
 _BUSY = ("is busy", "Unable to acquire lock")
 _RAN = "failed to run: "
 _IN_USE = "another run has files in use, wait for it or end it"
-_UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
+_UNCHANGED, _RESTORED = "didn't change, skipping", "is cached - skipping run"
 _HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
 _TRIES = 60
 """How often to ask again for files that another stage holds, every few seconds. Not a time: a stage may have worked for long
@@ -105,13 +106,16 @@ def _status(repo: Repo) -> Any:
 def reproduce(stage: str, say: Callable[[str], None], root: Path = Path()) -> bool:
     """Run `dvc repro --single-item STAGE`, hand each line of output to `say`; True if it ran, False if DVC skipped it.
 
+    What DVC brings back from an earlier run took what it took then, which is forgotten.
     Raises StageFailed when it ends with an error, and where another run has its files in use and goes on having them.
     """
     command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", stage]
     for _ in range(_TRIES):
         code, lines = _run(command, root, say)
         if code == 0:
-            return not any(words in line for line in lines for words in _UNCHANGED)
+            if restored := any(_RESTORED in line for line in lines):
+                forget_costs([stage], root)
+            return not restored and not any(_UNCHANGED in line for line in lines)
         if not _was_refused(lines):
             raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
         time.sleep(0.5)
@@ -168,7 +172,7 @@ def forget_all_but(stages: Collection[str], root: Path) -> None:
 
 
 def discard_gone(root: Path = Path()) -> list[str]:
-    """Remove outputs of what dvc.yaml, with today's params.yaml, makes no more, and its entries in dvc.lock; returns the names.
+    """Remove what dvc.yaml, with today's params.yaml, makes no more, what that took, and its entries in dvc.lock; returns names.
 
     DVC leaves them, so the report would show them on. Its cache keeps them: who names them again has them back at once. What
     another stage writes today, as after a stage got another name, stays.
@@ -178,6 +182,7 @@ def discard_gone(root: Path = Path()) -> list[str]:
         gone = [name for name in locked(root) if name not in made and not name.startswith(MEASURES)]
         if gone:
             discard(gone, Path(repo.root_dir), {Path(out.fs_path) for stage in repo.index.stages for out in stage.outs})
+            forget_costs(gone, root)
             forget_all_but(made, root)
     return gone
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flows.costs import COSTS, is_of
 from flows.mending import write_whole
 from flows.pipeline import locked
 
-COSTS = Path(".drivegen/costs")
 CODE = Path(".drivegen/code.json")
 
 _MAKES_RUNS = ("drivegen", "stages", "flows", "dvc.yaml", "params.yaml", "pyproject.toml", "constraints.txt")
@@ -28,7 +28,7 @@ class Times:
         """Those of the workspace `root`, and of those before it what was kept beside it; none where there is neither."""
         files, entries = _read_kept(_kept(root)), locked(root)
         for file in (root / COSTS).glob("*.parquet"):
-            if stage := next((name for name in entries if _is_of(file.stem, name)), None):
+            if stage := next((name for name in entries if is_of(file.stem, name)), None):
                 files[file.name] = file.read_bytes(), stage, entries[stage]
         return cls(files)
 
@@ -80,12 +80,3 @@ def _git(source: Path, *words: str) -> str | None:
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip()
-
-
-def _is_of(cost: str, stage: str) -> bool:
-    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items.
-
-    Stages of another dvc.yaml have its path before their name: `stages/dvc.yaml:rank`.
-    """
-    name = stage.rpartition(":")[2].replace("@", "-", 1)
-    return cost == name or cost.startswith(f"{name}-")

@@ -12,6 +12,7 @@ import yaml
 from dvc.repo import Repo
 
 from flows import FlowFailed, pipeline, workspace
+from flows.costs import COSTS
 from flows.experiment import stages_at_once
 from tests.flows import toy
 
@@ -188,14 +189,22 @@ def test_what_the_parameters_name_no_longer_goes_and_comes_back_from_the_cache(d
     assert (done.parent / "theirs").exists()
     whole = (done / "params.yaml").read_text()
     toy.keep_rounds(done, 3)
+    took = [done / COSTS / f"corner-{k}.parquet" for k in (2, 3)]
+    took[0].parent.mkdir(parents=True)
+    for file in took:
+        file.write_text("an hour")
     assert pipeline.discard_gone(done) == ["corner@3"]
+    assert [file.exists() for file in took] == [True, False]
     assert not list((done / "data").glob("round-3*"))
     assert (done / "data/round-2").exists()
     assert pipeline.locked(done) == {name: entry for name, entry in before.items() if name != "corner@3"}
     assert "corner@2" not in pipeline.read().stale
     (done / "params.yaml").write_text(whole)
+    took[1].write_text("an hour, of another run since")
     assert not pipeline.reproduce("corner@3", lambda _: None)  # DVC's run cache has it
     assert (done / "data/round-3").exists()
+    assert not pipeline.reproduce("corner@2", lambda _: None)  # nothing has changed
+    assert [file.exists() for file in took] == [True, False]
 
 
 def test_what_is_forgotten_leaves_the_rest_up_to_date(done: Path):

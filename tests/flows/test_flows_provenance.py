@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from flows import pipeline, tables
-from flows.provenance import CODE, COSTS, Times, note_code
+from flows.costs import COSTS
+from flows.provenance import CODE, Times, note_code
 from flows.rooms import ROOMS, Room
 from tests.flows import toy
 
