@@ -15,6 +15,8 @@ from tests.words.test_words_read import KMH, declined
         ("a motorway, 120 km/h", "increase the limit by 10 km/h", "by 10 kmh"),
         ("a motorway, 120 km/h", "reduce the limit by 20 km/h", "by 20 kmh"),
         ("a motorway, 120 km/h", "reduce by 20 km/h", "by 20 kmh"),
+        ("a crossing, 50 km/h", "raise the limit 20 km/h", "raise the limit 20 kmh"),
+        ("a crossing, 50 km/h", "raise 20 km/h", "raise 20 kmh"),
         ("a motorway, 120 km/h", "lower the limit by 10 km/h", "by 10 kmh"),
         ("a motorway, 120 km/h", "raise the limit by 10 mph", "by 10 mph"),
         ("a motorway, 120 km/h", "add 10 km/h", "add 10 kmh"),
