@@ -30,8 +30,8 @@ class Settings:
     Attributes:
         planner: name of the planner that fills in motion.
         candidates: how candidate goals are made.
-        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`rollout.choices.tempered`). Below 0.01 a power of it
-            would round the odds of all goals to nought.
+        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`rollout.choices.tempered`). Below 0.01 a power of
+            it would round the odds of all goals to nought.
         rollout: how often the illegal is planned again, and what becomes of what stays illegal.
     """
 
