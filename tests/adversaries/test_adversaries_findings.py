@@ -148,6 +148,8 @@ def test_the_tables_and_the_published_rows_hold_what_was_found():
     }  # fmt: skip
     prices = [rows[name] for name in ("cpu_seconds_per_1000", "cpu_seconds_per_1000_counted")]
     assert [(row["value"], row["n"]) for row in prices] == [(625.0, 16), (250.0, 40)]
+    timed_once = {row["metric"]: row for row in corner_rows("corpus", "idm", [(attacks, costs), (attacks, {})])}
+    assert (timed_once["cpu_seconds_per_1000"]["seeds"], timed_once["cr"]["seeds"]) == (1, 2)
     assert "avoidable" not in rows
     assert "| CAT | legal | 10 | 0.500 (0.250–0.750) |" in outcome_table("idm", attacks).markdown()
     nothing = {"dataset.legal.1": attacks["cat.legal.10"] | {"varies": "nothing", "budget": 1}}

@@ -106,6 +106,18 @@ def test_the_doctor_tries_each_configured_model_once(project):
     assert sorted(row["outcome"] for row in calls_of("doctor")) == ["answered", "refused"]
 
 
+def test_the_doctor_asks_again_where_a_role_has_another_key(project, tmp_path, monkeypatch):
+    for name in ("ONE_KEY", "OTHER_KEY"):
+        monkeypatch.setenv(name, f"sk-{name}")
+    with serving([Says('{"sum": 2}')]) as server:
+        project(base_url=server.url, key="ONE_KEY")
+        values = yaml.safe_load((tmp_path / "params.yaml").read_text())
+        values["lm"]["goals"]["key"] = "OTHER_KEY"
+        (tmp_path / "params.yaml").write_text(yaml.safe_dump(values))
+        assert [finding.ok for finding in doctor.language_models()] == [True, True, None]
+    assert {headers["authorization"] for headers in server.headers} == {"Bearer sk-ONE_KEY", "Bearer sk-OTHER_KEY"}
+
+
 def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
     answer = json.dumps({"map": {"road": CROSSING}})
     with serving([Says(answer)]) as server:

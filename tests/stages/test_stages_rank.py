@@ -23,12 +23,13 @@ def test_every_driver_is_measured_in_every_scene(tmp_path: Path):
     write_shard(tmp_path / "test/shard-00000.parquet", [parked, busy_crossing(101, "crossing-0")])
     (tmp_path / "weights").mkdir()
     params = rank.Params(7, 1, (), 2, {"idm": read_section("rank.drivers.idm", PARAMS)})
-    rank.main(params, tmp_path / "test", tmp_path / "generated", tmp_path / "weights", tmp_path / "rank.parquet")
+    told = rank.main(params, tmp_path / "test", tmp_path / "generated", tmp_path / "weights", tmp_path / "rank.parquet")
     rows = pq.read_table(tmp_path / "rank.parquet").to_pylist()
     mine = [name for name in MUTATIONS if name.startswith("idm.")]
     assert {row["driver"] for row in rows} == {"idm", *mine}
     value = {(row["driver"], row["scenario"], row["metric"]): row["value"] for row in rows}
     assert len(value) == (1 + len(mine)) * 2 * 3
+    assert told == {"runs": (1 + len(mine)) * 2}
     assert value["idm", "parked-0", "counted"] == 0
     assert value["idm.ignores_standing", "parked-0", "counted"] == 1
     assert value["idm.ignores_standing", "parked-0", "near_miss"] == 1

@@ -245,13 +245,14 @@ def counted(*runs: tuple[str, int, str]) -> pa.Table:
     return pa.Table.from_pylist(rows)
 
 
-def figures(results: pa.Table, monkeypatch) -> dict[tuple[str, str], dict]:
-    """Replayed neighbours' rows of the primary endpoint by method and metric."""
+def figures(results: pa.Table, monkeypatch, diversity: dict[int, dict] | None = None) -> dict[tuple[str, str], dict]:
+    """Replayed neighbours' rows of the primary endpoint and of diversity by method and metric; `diversity` by policy seed."""
     monkeypatch.setattr("drivegen.report.published.tuned.METRICS", {PRIMARY: METRICS[PRIMARY]})
     methods = set(results["method"].to_pylist())
-    nothing = {"value": None, "low": None, "high": None}
-    diversity = {f"gail/{method}/7/{kind}": nothing for method in methods for kind in ("replayed", "reactive")}
-    rows = driver_rows(read_tests("here", "clean", results, diversity), 20, 7)
+    of_seeds = (diversity or {7: {"value": None, "low": None, "high": None}}).items()
+    kinds = ("replayed", "reactive")
+    spread = {f"gail/{method}/{seed}/{kind}": one for method in methods for seed, one in of_seeds for kind in kinds}
+    rows = driver_rows(read_tests("here", "clean", results, spread), 20, 7)
     return {(row["method"], row["metric"]): row for row in rows if row["neighbours"] == "replayed"}
 
 
@@ -294,6 +295,12 @@ def test_intervals_are_over_policy_seeds_too_and_paired_by_them(monkeypatch):
     of_row, apart = found["bits", "counted_rich"], found["bits", "counted_rich.minus_dataset_longer"]
     assert (of_row["low"], of_row["value"], of_row["high"]) == (0.0, 0.5, 1.0)
     assert (apart["low"], apart["value"], apart["high"]) == (0.0, 0.0, 0.0)
+
+
+def test_diversity_reaches_over_the_intervals_of_all_policy_seeds(monkeypatch):
+    diversity = {7: {"value": 1.0, "low": 0.9, "high": 1.1}, 8: {"value": 3.0, "low": 2.9, "high": 3.1}}
+    found = figures(counted(("bits", 7, "a"), ("bits", 8, "a")), monkeypatch, diversity)["bits", "div"]
+    assert [found[name] for name in ("low", "value", "high", "seeds")] == [0.9, 2.0, 3.1, 2]
 
 
 def test_amounts_are_compared_with_the_logs_and_cases_with_the_same_scenes_without(monkeypatch):
