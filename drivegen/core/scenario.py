@@ -21,6 +21,9 @@ from drivegen.core.signals import Signals
 DT = 0.1
 """Time between steps [s]."""
 
+FIRST_SECOND = 10
+"""What happens up to this step is no driver's doing, but that of what the traffic began with."""
+
 TARGET = 0
 """Index of the target vehicle in every scenario."""
 

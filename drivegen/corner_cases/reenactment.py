@@ -136,7 +136,7 @@ class Reenactment:
     ) -> NDArray[np.bool_]:
         watched, good = np.ones(len(case), np.bool_), np.ones(len(case), np.bool_)
         offset, was_off = world.ego.offset, self._off_road(world)
-        moment, none_begun = (world.ego, world.neighbours.boxes(world)), torch.zeros(len(case), dtype=torch.bool)
+        moment = world.ego, world.neighbours.boxes(world)
         passed = np.zeros((len(case), self.scenes.present.shape[1]), np.bool_)
         for k in range(int(steps.max(initial=0))):
             world.advance(plan.action(k, offset))
@@ -145,7 +145,7 @@ class Reenactment:
             there = now[1].without(passed) if passed.any() else now[1]
             partner = np.where(watched, touched(world, there).numpy(), -1)
             mine = (partner >= 0) & (strict | (partner == self.partner[case]))
-            kind = kinds(world, torch.from_numpy(np.where(mine, -1, partner)), moment, now, none_begun).numpy()
+            kind = kinds(world, torch.from_numpy(np.where(mine, -1, partner)), moment, now).numpy()
             tolerated = np.isin(kind, ARTEFACTS)
             passed[tolerated, partner[tolerated]] = True
             good &= ~mine & ~((kind > 0) & ~tolerated)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.scenario import FIRST_SECOND, TARGET, Scenario, Trajectories
 from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.surroundings import Boxes, surroundings
 
@@ -19,9 +19,6 @@ NEAR = 1.5
 CLOSE, SOON = 4.0, 5.0
 """[s] A scene is rich in encounters if the logged target's time to collision falls below CLOSE, or if somebody was logged on its
 way, coming from another direction, less than SOON before or after it."""
-
-FIRST_SECOND = 10
-"""Steps that are not judged: what the traffic begins with is not the driver's doing."""
 
 
 def near_misses(motion: Trajectories, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> NDArray[np.bool_]:

@@ -17,11 +17,9 @@ from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.leaving import STAYS, Exits, left_from
 from drivegen.world.fault import judge
+from drivegen.world.observation import STANDING
 from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 from drivegen.world.replay import Replay
-
-STANDING = 0.1
-"""Slower than this [m/s] the target stands."""
 
 _FRONT, _SIDE, _REAR = range(3)
 

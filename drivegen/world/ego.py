@@ -4,6 +4,7 @@ On its path a target with acceleration a takes the speed max(0, v + a dt) and mo
 too); a is kept within limits, and an offset that the driver asks for is approached at most at STEEPEST to the path.
 """
 
+import math
 from dataclasses import dataclass, fields
 
 import torch
@@ -17,6 +18,8 @@ HARDEST_BRAKING, FASTEST_START = 9.0, 4.0
 
 STEEPEST = 0.3
 """Largest slope towards a wanted offset [m across per m along]."""
+
+_MOST_ACROSS = STEEPEST / math.hypot(1.0, STEEPEST)  # m per m driven
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,11 @@ def on_path(ego: Ego, action: Action, paths: Paths, length: Tensor) -> Ego:
     """One step along the paths."""
     del length
     speed = (ego.speed + action.acceleration.clamp(-HARDEST_BRAKING, FASTEST_START) * DT).clamp_min(0.0)
-    along = ego.along + speed * DT
     wanted = torch.zeros_like(speed) if action.offset is None else action.offset
-    most = STEEPEST * speed * DT
-    change = torch.minimum(torch.maximum(wanted - ego.offset, -most), most)
-    slope = change / (speed * DT).clamp_min(1e-6)
-    return _posed(along, ego.offset + change, slope.atan(), speed, paths)
+    way = speed * DT
+    across = torch.minimum(torch.maximum(wanted - ego.offset, -_MOST_ACROSS * way), _MOST_ACROSS * way)
+    along = (way**2 - across**2).sqrt()
+    return _posed(ego.along + along, ego.offset + across, torch.atan2(across, along), speed, paths)
 
 
 def _posed(along: Tensor, offset: Tensor, course: Tensor, speed: Tensor, paths: Paths) -> Ego:

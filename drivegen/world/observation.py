@@ -10,6 +10,9 @@ from drivegen.core.signals import SignalState
 PATH_SPACING = 1.0
 """Distance between points of a path [m]."""
 
+STANDING = 0.1
+"""Slower than this [m/s] a vehicle stands."""
+
 
 @dataclass(frozen=True)
 class Paths:
@@ -37,13 +40,9 @@ class Paths:
             getattr(self, field.name)[rows] = getattr(paths, field.name)
 
     def row(self, along: Tensor) -> Tensor:
-        """(S, ...) int64 index of the path point at or before `along` (S, ...) [m], inside each path."""
-        return (
-            torch.minimum(along.clamp_min(0.0), self._like(self.length, along))
-            .div(PATH_SPACING)
-            .long()
-            .clamp_max(self.point.shape[1] - 2)
-        )
+        """(S, ...) int64 index of the path point at or before `along` (S, ...) [m] from which a segment of the path goes on."""
+        last = (self.length - PATH_SPACING).reshape(-1, *[1] * (along.dim() - 1))
+        return torch.minimum(along.clamp_min(0.0), last).div(PATH_SPACING).long()
 
     def position(self, along: Tensor) -> Tensor:
         """(S, D, 2) points [m] at distances `along` (S, D); beyond the ends the path goes straight on."""
@@ -52,10 +51,6 @@ class Paths:
         heading = self.heading.gather(1, row)
         beyond = (along - row * PATH_SPACING)[..., None]
         return inside + beyond * torch.stack([heading.cos(), heading.sin()], -1)
-
-    @staticmethod
-    def _like(value: Tensor, other: Tensor) -> Tensor:
-        return value.reshape(-1, *[1] * (other.dim() - 1))
 
 
 @dataclass(frozen=True)
@@ -125,6 +120,11 @@ class Observation:
         if self.rules is None:
             return torch.full_like(self.speed, torch.inf)
         return torch.where(self.rules.signal == SignalState.RED, self.rules.distance, torch.inf)
+
+
+def runs_red(line: Tensor, moved: Tensor) -> Tensor:
+    """(S,) whether targets whose `red_line` is at `line` (S,) [m] run that light if they get `moved` (S,) [m] farther now."""
+    return (line > 0) & (moved >= line)
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import box_corners
-from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.scenario import FIRST_SECOND, TARGET, Scenario, Trajectories
 from drivegen.roads.drivable import road_surface
 
 NO_PARTNER = -1
-
-FIRST_SECOND = 10
-"""Collisions up to this step are counted apart: nobody could have prevented them."""
 
 
 class CollisionKind(IntEnum):

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.geometry import unit
+from drivegen.world.observation import STANDING
 from drivegen.world.scenes import Scenes
-
-STANDING = 0.1
-"""A plan slower than this [m/s] stands."""
 
 X, Y, HEADING, COS, SIN, ARC = range(6)
 """Channels of `Plan.pose`; ARC is the way driven since step 0 [m]."""

@@ -18,7 +18,8 @@ from torch import Tensor
 from drivegen.core.scenario import DT
 from drivegen.core.settings import NotNegative, Positive
 from drivegen.world.neighbours import Boxes
-from drivegen.world.plan import ARC, HEADING, STANDING, Plan, between
+from drivegen.world.observation import STANDING
+from drivegen.world.plan import ARC, HEADING, Plan, between
 from drivegen.world.scenes import Scenes
 from drivegen.world.way import Traffic, demands, looks_at
 

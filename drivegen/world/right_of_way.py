@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, arc_length, interpolate, project, to_vehicle_frame, wrap_angle
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario
-from drivegen.core.signals import SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.roads.gates import first_crossing
 from drivegen.roads.graph import LaneGraph, Links
 from drivegen.world.observation import PATH_SPACING
@@ -70,7 +69,7 @@ class Way:
         return np.where(comes, np.maximum(self.goal - along - reach, 0), np.inf).astype(np.float32)
 
 
-def ways_of(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Iterator[Way]:
+def ways_of(graph: LaneGraph, signals: Signals, number: int, lane: int) -> Iterator[Way]:
     """By which somebody comes who goes before a target that wants to take `lane` and what follows behind its line `number`."""
     line, own = graph.map.centreline, _inside(graph, graph.successors, lane)
     for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
@@ -80,7 +79,7 @@ def ways_of(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Ite
             meet, x, y, _, _ = first_crossing(line.points, *line.start[[part, part + 1]], *line.start[[other, other + 1]])
             if meet and has_right_of_way(graph, other, part):
                 points, entry = _approach(graph, other)
-                closed = np.isin(scenario.signals.of_lane(other), (SignalState.RED, SignalState.YELLOW))
+                closed = np.isin(signals.of_lane(other), (SignalState.RED, SignalState.YELLOW))
                 yield Way(number, points, entry, project(points, np.array([x, y]))[0], closed)
 
 

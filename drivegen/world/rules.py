@@ -1,4 +1,4 @@
-"""Signals, stop signs and right of way on the targets' paths.
+"""Signals, stop signs and right of way on the targets' paths; a signal's last known state lasts until another is known.
 
 A line is where a path enters a way across a junction, or any lane with a signal or a sign. Behind it lie the ways that cross or
 join the target's (`right_of_way.py`).
@@ -18,7 +18,7 @@ from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.signals import SignalState
 from drivegen.roads.graph import LaneGraph
-from drivegen.world.observation import PATH_SPACING, Rules
+from drivegen.world.observation import PATH_SPACING, STANDING, Rules
 from drivegen.world.right_of_way import PASSED, Way, fill_distances, ways_of
 from drivegen.world.scenes import Scenes
 
@@ -40,8 +40,8 @@ SAME_PLACE = 0.5
 REACH = 20.0
 """Who is within this distance [m] of a red light has come to it."""
 
-HALTED, BEFORE = 0.1, 6.0
-"""Who is slower than this [m/s] within this distance [m] of a line has halted there."""
+BEFORE = 6.0
+"""Who stands within this distance [m] of a line has halted there."""
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,13 @@ class Lookout:
         distance = np.full((*shape[:2], place.shape[1], shape[2]), np.inf, np.float32)
         ways: list[list[Way]] = [[] for _ in range(len(scenes))]
         for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
+            held = scenario.signals.held()
             for g, (at, lane) in enumerate(lines[s]):
                 place[s, g], control[s, g] = at, scenario.map.control[lane]
-                shown = scenario.signals.of_lane(lane)[: motion.steps]
+                shown = held.of_lane(lane)[: motion.steps]
                 signal[s, : len(shown), g] = shown
                 if arrivals:
-                    ways[s] += ways_of(graph_of[id(scenario.map)], scenario, g, lane)
+                    ways[s] += ways_of(graph_of[id(scenario.map)], held, g, lane)
             fill_distances(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))
         flat = signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:])
         places, controls, signals, away = (torch.from_numpy(a).to(scenes.steps.device) for a in (place, control, *flat))
@@ -108,7 +109,7 @@ class Lookout:
         ahead = self.place[:, None] - front[..., None]
         red = (self.signal.view(*front.shape, -1) == SignalState.RED) & valid[..., None] & (ahead > 0)
         ran = (red[:, :-1] & (ahead[:, 1:] <= 0) & valid[:, 1:, None]).any(1)
-        return ((red & (ahead < REACH)).any(1) | ran).sum(1), ran.sum(1)
+        return (red & (ahead < REACH)).any(1).sum(1), ran.sum(1)
 
 
 class Watch:
@@ -130,11 +131,11 @@ class Watch:
         """What holds ahead of each target; `frame` (R, 6, M) is that of the others now."""
         lookout, ego, at = self._lookout, world.ego, world.at
         line, distance = self._ahead(world.scene, ego.along + 0.5 * world.size[:, 0])
-        self._halted = _stands(ego.speed, distance) | (self._halted & (line == self._line))
-        self._line = line
         none = distance.isinf()
+        self._halted = _stands(ego.speed, distance) | (self._halted & (line == self._line) & ~none)
+        self._line = line
         away = lookout.distance[world.neighbours.rows(world), line[:, None], torch.arange(frame.shape[2], device=line.device)]
-        speed = torch.hypot(frame[:, 4], frame[:, 5]).clamp_min(0.1)
+        speed = torch.hypot(frame[:, 4], frame[:, 5]).clamp_min(STANDING)
         return Rules(
             distance=distance,
             signal=torch.where(none, int(SignalState.UNKNOWN), lookout.signal[at].gather(1, line[:, None])[:, 0]),
@@ -153,7 +154,7 @@ class Watch:
 
 def _stands(speed: Tensor, distance: Tensor) -> Tensor:
     """Who has halted before a line so far [m] ahead."""
-    return (speed < HALTED) & (distance < BEFORE)
+    return (speed < STANDING) & (distance < BEFORE)
 
 
 def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:

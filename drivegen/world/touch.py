@@ -60,21 +60,20 @@ def all_at_once(world: World, boxes: Boxes) -> Tensor:
     return torch.where(overlap.any(1), overlap.to(torch.uint8).argmax(1), -1)
 
 
-def kinds(world: World, partner: Tensor, before: Moment, now: Moment, begun: Tensor) -> Tensor:
+def kinds(world: World, partner: Tensor, before: Moment, now: Moment) -> Tensor:
     """(R,) uint8 CollisionKind of targets that overlap `partner` (R,), -1 for none.
 
-    `before` says nothing of rows that have `begun` (R,): they count as where they are `now`. A partner that was not there
-    `before` appears inside the target: AT_SPAWN.
+    A partner that was not there `before` appears inside the target: AT_SPAWN.
     """
     kind = torch.zeros_like(partner, dtype=torch.uint8)
     r = torch.nonzero(partner >= 0)[:, 0]
     if not len(r):
         return kind
     m, boxes = partner[r], before[1]
-    appears, first = (~boxes.valid[boxes.at[r], m] & ~begun[r]).cpu().numpy(), begun[r].cpu().numpy()
+    appears = (~boxes.valid[boxes.at[r], m]).cpu().numpy()
     then, after = _poses(before, r, m), _poses(now, r, m)
     for array, later in zip(then, after, strict=True):
-        array[first | appears] = later[first | appears]
+        array[appears] = later[appears]  # it was nowhere
     own, other = ([(poses[i], poses[i + 1]) for poses in (then, after)] for i in (0, 2))
     scene, sizes = world.scene[r], world.scenes.others_size
     told = kinds_of(own, other, (_array(world.size[r]), _array(sizes[scene, m])), _array(world.ego.speed[r]))

@@ -24,7 +24,7 @@ from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.scenarios import write_shard
 from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
-from tests.scenes import busy_crossing, crossing, drive, joined, noisy_samples, scenario, stack, straight_road
+from tests.scenes import across, busy_crossing, crossing, drive, joined, noisy_samples, scenario, stack, straight_road
 
 SETTINGS = read_params("environment", Settings)
 ROAD = straight_road(300, whole=True)
@@ -40,6 +40,17 @@ def alone(start=10.0, speed=10.0, steps=51):
 def behind_a_parked_car(gap=30.0):
     log = stack([drive(LINE, 10, 10, 101), drive(LINE, 10 + gap, 0, 101)])
     return scenario(ROAD, log, "behind"), log
+
+
+def hit_from_behind_at_once():
+    log = stack([drive(LINE, 50, 5, 101), drive(LINE, 45, 20, 101)])
+    return scenario(ROAD, log, "hit"), log
+
+
+def met_at_once_by_who_appears():
+    log = stack([drive(LINE, 50, 5, 101), drive(LINE, 52, 5, 101)])
+    log.valid[1, 0] = False
+    return scenario(ROAD, log, "met"), log
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +131,39 @@ def test_a_red_line_that_is_crossed_in_the_first_step_is_paid_for_as_well():
         assert env.step(np.zeros(1, np.float32))[4]["reward/red"] == SETTINGS.rewards.red
 
 
+def test_collisions_in_the_first_step_of_an_episode_are_of_their_kind_whatever_was_before():
+    episodes = Environment([alone(), hit_from_behind_at_once(), met_at_once_by_who_appears()], 2, SETTINGS)
+    rows = torch.tensor([1])
+    for scene, kind in ((1, CollisionKind.HIT_FROM_BEHIND), (2, CollisionKind.AT_SPAWN)):
+        for _ in range(3):
+            episodes.reset(torch.tensor([0, 0]))
+            episodes.step(torch.zeros(2, 1))
+            episodes.reset(torch.tensor([scene]), rows)
+            made = episodes.step(torch.zeros(2, 1))
+            assert made.kind.tolist() == [CollisionKind.NONE, kind]
+            assert float(made.terms[1, TERMS.index("hit")]) == SETTINGS.rewards.hit
+            assert float(made.terms[1, TERMS.index("collision")]) == 0
+
+
+def test_a_crash_in_the_last_step_ends_an_episode_and_one_beyond_the_exit_is_none():
+    scene, log = behind_a_parked_car()
+    hit = int(Batch().run(Held(0.0), [scene], [log]).step[0])
+    beyond = stack([drive(LINE, 265, 10, 101), drive(across(301), 120, 0, 101)])  # met in the step in which the target leaves
+    for pair, expected in (
+        ((scene, log.until(hit + 1)), (hit, True, False, False)),
+        ((scenario(ROAD, beyond), beyond), (33, False, True, True)),
+    ):
+        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
+        env.reset(seed=0)
+        for step in range(1, 101):  # noqa: B007 the last one counts
+            _, _, ended, truncated, info = env.step(np.zeros(1, np.float32))
+            if ended or truncated:
+                break
+        assert (step, ended, truncated, info["left_map"]) == expected
+        outcome = Batch().run(Held(0.0), *zip(pair, strict=True))
+        assert (outcome.collided[0], outcome.left_map[0]) == (ended, truncated)
+
+
 def test_rows_are_reset_in_the_step_in_which_they_end_and_the_last_observation_is_kept():
     pairs = [behind_a_parked_car(20.0), alone(steps=21)]
     vector = gymnasium.make_vec(drivegen.gym.ID, num_envs=8, scenarios=pairs, settings=SETTINGS)
@@ -182,10 +226,9 @@ def test_a_free_target_follows_its_wheels_within_limits_and_ends_off_the_road():
 
 def test_who_leaves_by_an_exit_is_not_off_the_road_however_it_moves():
     for motion in ("path", "free"):
-        for speed in (8.0, 10.0, 12.0, 13.9):
-            env = gymnasium.make(
-                drivegen.gym.ID, scenarios=[alone(start=265, speed=speed)], settings=replace(SETTINGS, motion=motion)
-            )
+        for start, speed in ((265, 8.0), (265, 10.0), (265, 12.0), (265, 13.9), (264.5, 5.0), (264.5, 12.0)):
+            pair = alone(start, speed, steps=101)
+            env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=replace(SETTINGS, motion=motion))
             env.reset(seed=0)
             ended = cut = False
             while not (ended or cut):
@@ -338,6 +381,7 @@ def test_episodes_end_where_whole_runs_of_the_simulator_do(acceleration, neighbo
     log = stack([drive(LINE, 10, 10, 101), drive(LINE, 27, 2, 101)])
     log.valid[1, :20], log.position[1, :20] = False, 0.0  # somebody who appears in the target's way
     pairs += [(scenario(ROAD, log), log)]
+    pairs += [hit_from_behind_at_once(), met_at_once_by_who_appears()]
     pairs += [(busy_crossing(), noisy_samples(busy_crossing(), 4, seed=3).motion[k]) for k in range(4)]
     episodes = Environment(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
     batch = Batch(reaction=SETTINGS.reaction if neighbours == "reactive" else None)

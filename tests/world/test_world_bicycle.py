@@ -54,6 +54,12 @@ def test_straight_on_it_is_where_a_target_on_its_path_is():
     assert float(go(free, -99, 0, 30).speed) == 0
 
 
+def test_wheels_turn_by_no_more_than_0_8_rad_a_second():
+    free = world(2.0)
+    angles = [float(go(free, 0, 1.0, 1).wheel) for _ in range(9)]
+    assert angles == pytest.approx([0.08, 0.16, 0.24, 0.32, 0.4, 0.48, 0.56, 0.6, 0.6])
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.5, 25), st.floats(-2, 2), st.lists(st.floats(-1, 1), min_size=5, max_size=20))
 def test_limits_hold_whatever_is_asked(speed, acceleration, angles):

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivegen.core.scenario import Actors, Trajectories
+from drivegen.core.scenario import FIRST_SECOND, Actors, Trajectories
 from drivegen.simulators.batch import Plugin
-from drivegen.world.outcome import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
+from drivegen.world.outcome import AT_FAULT, CollisionKind, with_off_road
 from tests.scenes import LANE_WIDTH, across, beside, drive, scenario, stack, straight_road
 from tests.world.steady import Steady
 
@@ -97,8 +97,14 @@ def test_offsets_are_approached_along_the_path_and_at_a_bounded_slope():
     motion = Plugin().run(Steady(offset=3.0), [scenario(ROAD, log)], [log]).motion
     side = motion.position[0, :, 1]
     assert side[-1] == pytest.approx(3.0)
-    assert np.diff(side).max() == pytest.approx(0.3, abs=1e-5)
-    assert motion.position[0, -1, 0] == pytest.approx(150, abs=0.1)
+    assert (np.diff(side) / np.diff(motion.position[0, :, 0])).max() == pytest.approx(0.3, abs=1e-3)
+    assert motion.position[0, -1, 0] == pytest.approx(150, abs=0.5)
+    assert np.hypot(*np.diff(motion.position[0], axis=0).T) == pytest.approx(1.0, abs=1e-3)  # at 10 m/s, whichever way it goes
+
+
+@pytest.mark.parametrize(("speed", "kind"), [(0.05, CollisionKind.HIT_STANDING), (0.2, CollisionKind.HIT_FROM_BEHIND)])
+def test_who_creeps_no_faster_than_noise_stands(speed, kind):
+    assert meet(drive(LINE, 20, 16, 101), drive(LINE, 50, speed, 101))[0] == kind
 
 
 def test_targets_never_drive_backwards():

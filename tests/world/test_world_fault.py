@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drivegen.simulators.batch import Plugin
-from drivegen.world.fault import Contact, within_lane
+from drivegen.world.fault import Contact, contact_of, within_lane
+from drivegen.world.scenes import Scenes
 from tests.scenes import LANE_WIDTH, across, drive, scenario, stack, straight_road
 from tests.world.steady import Steady
 
@@ -32,6 +33,24 @@ def test_whose_fault_it_is(contact, at_fault, speed, other, own, offset):
     assert (Contact(outcome.contact[0]), bool(outcome.at_fault[0])) == (contact, at_fault)
     assert outcome.impact_speed[0] == pytest.approx(speed, abs=0.6, nan_ok=True)
     assert outcome.imposed_braking[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("contact", "own", "theirs", "gap"),
+    [
+        (Contact.STOPPED_EGO, 0.05, 10.0, (4.0, 0.0)),
+        (Contact.STOPPED_TRACK, 0.06, 0.05, (4.0, 0.0)),
+        (Contact.ACTIVE_FRONT, 0.06, 0.06, (4.0, 0.0)),
+        # 150 degrees from the heading, seen from the rear axle, which is 0.28 * 4.6 m = 1.288 m behind the centre
+        (Contact.ACTIVE_REAR, 10.0, 5.0, (-1.288 - 1.8, 1.0)),
+        (Contact.ACTIVE_LATERAL, 10.0, 5.0, (-1.288 - 1.6, 1.0)),
+    ],
+)
+def test_nuplan_s_thresholds_are_kept(contact, own, theirs, gap):
+    log = stack([drive(LINE, 50, own, 11), drive(LINE + np.array([0.0, gap[1]]), 50 + gap[0], theirs, 11)])
+    scene = scenario(ROAD, log)
+    others = Scenes.of([scene], [log]).replay
+    assert contact_of(log[0], scene.vehicles.size[0, :2], others, 0, 0, 0) == contact
 
 
 @pytest.mark.parametrize(("y", "inside"), [(0.0, True), (1.75, False), (3.5, True), (-4.0, False)])

@@ -1,14 +1,18 @@
 import numpy as np
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import arc_length, project
+from drivegen.drivers.shared.features import features, road_ahead
 from drivegen.roads.graph import LaneGraph
+from drivegen.world.observation import Action
 from drivegen.world.paths import packed, target_paths
 from drivegen.world.replay import replay
 from drivegen.world.rules import _lines
 from drivegen.world.scenes import Scenes
+from drivegen.world.world import World
 from tests.scenes import LIMIT, beside, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 CROSS = crossing()
@@ -92,6 +96,23 @@ def test_a_target_off_all_lanes_goes_straight_on():
     line, paths = path_of(scene)
     assert np.abs(line[:, 1] - 500).max() < 0.1
     assert np.isnan(paths.speed_limit).all()
+
+
+def test_beyond_its_end_a_path_goes_on_alike_beside_a_longer_one():
+    roads = straight_road(900)
+    line = roads.centreline[0].astype(np.float64)
+    short, long = (scenario(roads, stack([drive(line, 20, speed, 61)]), f"at-{speed}") for speed in (20.0, 40.0))
+    worlds = [World(Scenes.of(scenes, [s.log for s in scenes]), len(scenes)) for scenes in ([short], [short, long])]
+    for _ in range(60):
+        seen = [world.observe() for world in worlds]
+        alone, beside = (features(view)[0] for view in seen)
+        assert torch.equal(alone, beside)
+        assert torch.equal(*(torch.cat(road_ahead(view), dim=1)[0] for view in seen))
+        places = torch.tensor([[-5.0, 140.0, 149.5, 180.0]])
+        assert torch.equal(worlds[0].paths.position(places)[0], worlds[1].paths.position(places.expand(2, -1))[0])
+        for world in worlds:
+            world.advance(Action(torch.full((len(world.scene),), 4.0)))
+    assert float(worlds[0].ego.along[0]) > float(worlds[0].paths.length[0]) + 5
 
 
 def test_boxes_are_seen_from_the_segment_beside_them_at_a_corner_and_at_both_ends():

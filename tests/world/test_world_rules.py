@@ -83,6 +83,37 @@ def test_red_lights_that_are_run_are_counted(heeds):
     assert np.isnan(driven(red, False)[0].red_run[0])  # nobody looked
 
 
+@pytest.mark.parametrize(("lasts", "counted"), [(None, (1, 1)), (48, (1, 0)), (30, (0, 0))])
+def test_red_lights_behind_the_end_of_a_run_are_not_counted(lasts, counted):
+    """The front comes within 20 m of the line in step 28 and over it in step 48."""
+    scene = meet(LaneControl.SIGNAL, STRAIGHT, states=np.where(np.arange(STEPS) < 33, SignalState.GREEN, SignalState.RED))
+    scenes = Scenes.of([scene], [scene.log])
+    front = torch.arange(STEPS)[None] + 2.3
+    valid = torch.arange(STEPS)[None] < (lasts or STEPS)
+    near, ran = Lookout.of(scenes, [scene], [scene.log]).red_lights(front, valid)
+    assert (int(near), int(ran)) == counted
+
+
+def test_the_last_known_state_of_a_light_lasts_for_drivers():
+    known = np.where(np.arange(STEPS) < 20, SignalState.RED, SignalState.UNKNOWN)
+    assert passes(driven(meet(LaneControl.SIGNAL, STRAIGHT, states=known))[1]) is None
+    assert away_of_who_waits(known).isinf().all()
+
+
+@pytest.mark.parametrize(("state", "comes"), [(SignalState.GREEN, True), (SignalState.YELLOW, False), (SignalState.RED, False)])
+def test_who_has_no_green_light_does_not_come(state, comes):
+    away = away_of_who_waits(np.full(STEPS, state))
+    assert bool(away.isfinite().all() if comes else away.isfinite().any()) == comes
+
+
+def away_of_who_waits(states):
+    """(T,) [m] from who stands opposite, before a light that shows `states`, to the way of a target that turns left."""
+    scene = meet(LaneControl.SIGNAL, LEFT, [(2, STRAIGHT, 40.0, 0.0)])
+    light = Signals(np.array([14, 15, 16], np.int32), np.tile(states, (3, 1)).astype(np.uint8))
+    scene = replace(scene, signals=light)
+    return Lookout.of(Scenes.of([scene], [scene.log]), [scene], [scene.log]).distance[:, 0, 0]
+
+
 def test_lights_are_known_for_as_long_as_the_shorter_of_scene_and_motion():
     red = meet(LaneControl.SIGNAL, STRAIGHT, states=np.full(STEPS, SignalState.RED))
     outcome = Plugin(counts_lights=True).run(idm.Plugin(IDM), [red, red], [red.log.until(81), red.log])
@@ -236,6 +267,18 @@ def test_who_stands_before_a_line_when_it_begins_has_halted_there():
             world.advance(Action(torch.tensor([3.0])))
         assert float(world.ego.speed) > 1.0
         assert bool(world.observe().rules.halted)
+        for _ in range(20):
+            world.advance(Action(torch.tensor([3.0])))
+        rules = world.observe().rules
+        assert (bool(rules.distance.isinf()), bool(rules.halted)) == (True, False)  # the only line is behind it
+
+
+def test_who_stands_arrives_late_but_arrives():
+    scene = meet(LaneControl.SIGNAL, LEFT, [(2, STRAIGHT, 40.0, 0.0)])
+    scenes = Scenes.of([scene], [scene.log])
+    lookout = Lookout.of(scenes, [scene], [scene.log])
+    arrives = World(scenes, 1, lookout=lookout).observe().rules.arrives[0, 0]
+    assert float(arrives) == pytest.approx(float(lookout.distance[0, 0, 0]) / 0.1, rel=1e-4)
 
 
 def test_nobody_knows_a_moment_ahead_who_will_back_off():

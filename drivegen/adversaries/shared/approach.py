@@ -11,9 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
-from drivegen.core.scenario import DT, TARGET, Trajectories
+from drivegen.core.scenario import DT, FIRST_SECOND, TARGET, Trajectories
 from drivegen.corner_cases.trials import Trials
-from drivegen.world.outcome import FIRST_SECOND
 from drivegen.world.replay import progress, project
 
 MARGIN = 0.2

@@ -22,8 +22,8 @@ from drivegen.drivers.shared.features import COUNT, LIMIT, features
 from drivegen.drivers.shared.network import on_path, pedals
 from drivegen.world.bicycle import SHARPEST
 from drivegen.world.ends import Surface, exits
-from drivegen.world.neighbours import Boxes, Replayed
-from drivegen.world.observation import PATH_SPACING, Action, Observation
+from drivegen.world.neighbours import Replayed
+from drivegen.world.observation import PATH_SPACING, Action, Observation, runs_red
 from drivegen.world.outcome import ARTEFACTS
 from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive
@@ -115,9 +115,9 @@ class Environment:
         self.world.reset(scene, rows)
         if rows is None:
             self._line = self._first_line[scene]
-            self._last: Moment = self.world.ego, self.world.neighbours.boxes(self.world)
         else:
             self._line[rows] = self._first_line[scene]
+        self._last: Moment = self.world.ego, self.world.neighbours.boxes(self.world)
         return self._first[scene]
 
     @torch.no_grad()
@@ -127,13 +127,12 @@ class Environment:
         world, along, speed = self.world, self.world.ego.along, self.world.ego.speed
         world.advance(self._decoded(action.clamp(-1.0, 1.0)))
         view, boxes = world.observe(), world.neighbours.boxes(world)
-        kind = self._collisions(boxes)
-        self._last = world.ego, boxes
-        collided = kind > 0
-        left_map = (world.ego.along >= self._exit[world.scene]) & ~collided
+        left_map = world.ego.along >= self._exit[world.scene]
+        before, self._last = self._last, (world.ego, boxes)
+        kind = kinds(world, touched(world, boxes).masked_fill(left_map, -1), before, self._last)
         off_road = self._off_road(world) & ~left_map
         terms = self._terms(view, world.ego.along - along, speed, kind, off_road) * self._weights
-        terminated = collided | off_road
+        terminated = (kind > 0) | off_road
         truncated = (world.over | left_map) & ~terminated
         return Step(features(view), terms.sum(1), terminated, truncated, terms, kind, off_road, left_map)
 
@@ -158,12 +157,6 @@ class Environment:
     def _decoded(self, action: Tensor) -> Action:
         return Action(pedals(action[:, 0]), steering=SHARPEST * action[:, 1]) if self._free else on_path(action)
 
-    def _collisions(self, boxes: Boxes) -> Tensor:
-        """(R,) uint8 CollisionKind of the step just made."""
-        world = self.world
-        begun = world.step == 1  # the moment before is another episode's
-        return kinds(world, touched(world, boxes), self._last, (world.ego, boxes), begun)
-
     def _off_road(self, world: World) -> Tensor:
         if self._surface is None:
             return torch.zeros_like(world.scene, dtype=torch.bool)
@@ -172,7 +165,7 @@ class Environment:
     def _terms(self, view: Observation, moved: Tensor, speed: Tensor, kind: Tensor, off_road: Tensor) -> Tensor:
         """(R, len(TERMS)) what each weight is multiplied by."""
         hit = torch.isin(kind, self._done_to_it)
-        red = (self._line > 0) & (moved >= self._line)
+        red = runs_red(self._line, moved)
         self._line = view.red_line
         amounts = {
             "progress": moved,

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from drivegen.drivers.shared.features import features
 from drivegen.drivers.shared.network import pedals
-from drivegen.world.observation import Action
+from drivegen.world.observation import Action, runs_red
 from drivegen.world.touch import touched
 from drivegen.world.world import World
 
@@ -59,7 +59,7 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
         inputs.append(features(look))
         speed.append(world.ego.speed)
         touches.append(_touches(world))
-        runs.append((line > 0) & (world.ego.along - along >= line))
+        runs.append(runs_red(line, world.ego.along - along))
     collisions, reds = torch.stack(touches), torch.stack(runs)
     faults = torch.cat([collisions[:1], collisions[1:] | reds])
     before = faults.cumsum(0)[:-1] == 0  # no fault up to this step

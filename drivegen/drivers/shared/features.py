@@ -165,21 +165,21 @@ def _compiled_road(view: Observation) -> tuple[Tensor, Tensor]:
 
 @njit(cache=True, error_model="numpy")
 def _look_along(along, length, heading, limit, end, limits, bends):  # type: ignore[no-untyped-def]
-    turn, farthest = np.float32(2 * np.pi), heading.shape[1] - 2
+    turn = np.float32(2 * np.pi)
     for s in range(len(along)):
         front = along[s] + np.float32(0.5) * length[s]
-        here = heading[s, _row(along[s], end[s], farthest)]
+        here = heading[s, _row(along[s], end[s])]
         for k in range(len(_DISTANCES)):
-            row = _row(front + _DISTANCES[k], end[s], farthest)
+            row = _row(front + _DISTANCES[k], end[s])
             turned = heading[s, row] - here
             bends[s, k] = turned - turn * np.rint(turned / turn)
             limits[s, k] = (np.float32(_UNKNOWN_LIMIT) if np.isnan(limit[s, row]) else limit[s, row]) / np.float32(_SPEED)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _row(along, end, farthest):  # type: ignore[no-untyped-def]
+def _row(along, end):  # type: ignore[no-untyped-def]
     """`Paths.row` of one place."""
-    return min(int(min(max(along, np.float32(0)), end) / np.float32(PATH_SPACING)), farthest)
+    return int(min(max(along, np.float32(0)), end - np.float32(PATH_SPACING)) / np.float32(PATH_SPACING))
 
 
 def _tensors(arrays: tuple[NDArray[np.float32], NDArray[np.float32]]) -> tuple[Tensor, Tensor]:

@@ -34,7 +34,8 @@ ROWS = 1024
 """Trajectories that are decoded at once: what is worked on stays in the processor's cache."""
 
 
-def reach(distance: Doubles, full: float) -> Doubles:
+@njit(cache=True)
+def reach(distance: float, full: float) -> float:
     """Natural size [m] of a residual: the distance gone where that is short, `full` where it is long."""
     return distance * full / (distance + full)
 
@@ -119,7 +120,7 @@ def _paced(distance: float, duration: float, speed: Doubles, pace: NDArray[np.fl
     rest by a factor that leaves the speeds at both ends alone; if that would need too much, the residual is left out.
     """
     last = len(v) - 1
-    size = distance * ALONG / (distance + ALONG) / duration
+    size = reach(distance, ALONG) / duration
     for attempt in range(2):
         total, inner = 0.0, 0.0
         for k in range(last + 1):
