@@ -41,9 +41,14 @@ _REMEDIES = {
     errno.ENOSPC: ": make room, or name another disk",
     errno.EROFS: ": name a folder that can be written to",
     errno.EACCES: ": name a place that you may use",
+    errno.EPERM: ": name a place that you may use",
+    errno.ENOENT: ": name a place that is there and can be written to",
     errno.ENAMETOOLONG: ": choose a shorter name",
     errno.ENOTEMPTY: ": another run wrote it meanwhile, name another folder",
 }
+
+_UNUSABLE_PLACES = (errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENAMETOOLONG)
+"""With these it is the words of the command line that are at fault (exit code 2)."""
 
 
 def main() -> None:
@@ -65,7 +70,8 @@ def main() -> None:
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or str(error)).splitlines()[0]
-        _leave(f"{where}{what}; nothing half-written was kept{_REMEDIES.get(error.errno or 0, '')}", 1)
+        code = 2 if error.errno in _UNUSABLE_PLACES else 1
+        _leave(f"{where}{what}; nothing half-written was kept{_REMEDIES.get(error.errno or 0, '')}", code)
 
 
 def build(words: list[str]) -> typer.Typer:

@@ -9,6 +9,7 @@ from rich.table import Table
 from typer import Context, Exit, Option, Typer
 
 from drivegen.bench import measure, unmeasured
+from drivegen.cli._files import MAPS, SPEED, expect_own
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.core.seeds import LARGEST
@@ -17,7 +18,7 @@ from drivegen.maps.suite.cases import Case, outside_cases, own_cases
 from drivegen.maps.suite.table import COUNTS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import ROUNDS, MapWriter
-from drivegen.store.files import expect_file_fits, write_json
+from drivegen.store.files import write_json
 from drivegen.words.judge import traffic_lacking
 from drivegen.words.writer import Writer, asking_writer
 
@@ -37,7 +38,7 @@ def speed(
     if context.invoked_subcommand is not None:
         return
     if json is not None:
-        expect_file_fits(json)
+        expect_own(json, SPEED)
     with Console(stderr=True).status("measuring ..."):
         rows = list(measure(only))
     table = Table("name", "value", "unit", "reference", "ratio", "target", "", box=None, pad_edge=False)
@@ -70,7 +71,7 @@ def maps(
 ) -> None:
     """How often words become what they ask for, at once and after the offered sentence, by the phrase table and by --lm."""
     if json is not None:
-        expect_file_fits(json)
+        expect_own(json, MAPS)
     folder = outside or _beside_the_real_data()
     cases = [*own_cases(), *(outside_cases(folder) if folder else [])][::every]
     results = [_tried(Writer(), cases, seed)]

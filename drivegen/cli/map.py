@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
+from drivegen.cli import _files
 from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, with_way_in, writer_of
@@ -19,7 +20,7 @@ from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, losses, read_back
 from drivegen.maps.refine import refine_map
 from drivegen.maps.writers.base import ROUNDS
-from drivegen.store.files import expect_file_fits, write_bytes
+from drivegen.store.files import write_bytes
 from drivegen.sumo.network import Network
 from drivegen.words.edits import edited
 from drivegen.words.writer import OFFLINE, Writer, asking_writer
@@ -134,9 +135,9 @@ def export(
 ) -> None:
     """Write a map for other programs. OpenDRIVE is read back, and what was written and what came back stand beside each other."""
     source = network_of(folder)
-    expect_file_fits(out)
-    if out.resolve().is_relative_to(folder.resolve()):
+    if _files.lies_in(out, folder):
         raise UnusableInput(f"{out} would lie in the map that is read: name a place beside {folder}")
+    _files.expect_own(out, _files.NETWORK if to is Form.SUMO else _files.OPENDRIVE)
     network = source.read_bytes()
     with with_way_in():
         before = Network.read(network, str(source))
@@ -155,7 +156,10 @@ def export(
 
 
 def _check_free(folder: Path, *, force: bool) -> None:
-    """Raises UnusableInput where a map lies in `folder`: it may have been edited, and its words cannot be had back."""
+    """Raises UnusableInput where nothing can be written in `folder`, or a map lies there: it may have been edited, and its words
+    cannot be had back.
+    """
+    _files.expect_writable(folder / NETWORK)
     if not force and any((folder / name).exists() for name in (NETWORK, ACCOUNT, PICTURE)):
         raise UnusableInput(f"{folder} holds a map already: name another folder, or replace that map with --force")
 

@@ -12,6 +12,7 @@ from typer import Option
 from drivegen.cli import _project
 from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
+from drivegen.cli._files import RATE, expect_own
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.seeds import rng
@@ -20,7 +21,7 @@ from drivegen.core.wording import many
 from drivegen.exposure.pool import Drawn, Pool, draw_scenes, driven_seconds, with_enough
 from drivegen.exposure.rates import EDGES, Estimate, estimate
 from drivegen.gym.folders import read_traffic
-from drivegen.store.files import expect_file_fits, write_json
+from drivegen.store.files import write_json
 from drivegen.world.reactive import Reaction
 
 HOUR = 3600.0
@@ -48,7 +49,7 @@ def command(
 ) -> None:
     """Say how often DRIVER fails in law-abiding generated traffic, with an interval, running it where others come near."""
     if out:
-        expect_file_fits(out)
+        expect_own(out, RATE)
     settings, tested, seed = _settings(draws), driver_of(driver), read_section("run")["seed"]
     where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
     scenes, left_out = _draw(list(where.values())[:most], settings, seed)

@@ -12,6 +12,7 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.folder import read_folder
+from drivegen.cli import _files
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.wording import many
 from drivegen.datasets.argoverse2_sensor import read_whole_log
@@ -57,11 +58,15 @@ def command(
         if out is not None:
             raise UnusableInput(f"{folder} is a recording already, and --out is for new ones: leave that out")
         path = folder
+    elif folder.is_file():
+        raise UnusableInput(f"{folder} is a file and no recording (.rrd): give one or a folder, of which all is listed")
     elif not folder.is_dir():
         path = _record_id(scenario, out, futures)
     else:
         folder = _chosen(folder, out)
         path = _recorded(folder, out) or _record(folder, out, console)
+    if not _files.RECORDING.holds(path):
+        raise UnusableInput(f"{path} is no recording, or was cut off: give a scenario's folder, or make it again")
     if show and _has_screen():
         _open(path)
     else:
@@ -102,16 +107,29 @@ def _words_for_shards(folder: Path) -> list[str]:
 def _record_id(scenario_id: str, out: Path | None, futures: Path) -> Path:
     """The recording of a scenario of the pipeline's shards, or of a future of one."""
     path = out or Path(f"{Path(scenario_id.replace(':', '-')).name}.rrd")
+    _files.expect_own(path, _files.RECORDING)
+    if futures != GENERATED and not futures.is_dir():
+        raise UnusableInput(f"{futures} is no folder: --futures names that of the futures, as data/corner/2/samples")
     if (place := find_scenario(scenario_id, SHARDS)) is not None:
         record_scenario(path, place[1], log_name="generated" if "motion" in place[1].notes else "logged")
     elif (future := find_sample(scenario_id, SHARDS, futures)) is not None:
         record_scenario(path, *future)
     else:
-        places = ", ".join(str(folder) for folder in (*SHARDS, futures))
-        raise UnusableInput(
-            f"{scenario_id} is no folder, and no scenario in {places}: give a scenario's folder or, in the project's, its id"
-        )
+        raise UnusableInput(_why_not(scenario_id, futures))
     return path
+
+
+def _why_not(word: str, futures: Path) -> str:
+    """Why there is nothing of that name to be viewed."""
+    if word.endswith(".rrd"):
+        return f"{word} is not there: give a recording that is, or a scenario's folder or id"
+    of, dash, number = word.rpartition("-s")
+    if dash and number.isdecimal() and find_scenario(of, SHARDS) is not None:
+        lists = f"has no number {number} of {of}, `drivegen view {futures}` lists what it has"
+        what = lists if futures.is_dir() else "is not there"
+        return f"{word} is a future, and {futures} {what}: name the folder of its futures with --futures"
+    places = ", ".join(map(str, SHARDS))
+    return f"{word} is no folder, and no scenario in {places}: give a scenario's folder or, in the project's, its id"
 
 
 def _recorded(scenario: Path, out: Path | None) -> Path | None:
@@ -131,6 +149,7 @@ def _record(scenario: Path, out: Path | None, console: Console) -> Path:
         raise UnusableInput(f"{scenario} holds neither a scenario nor a sensor log nor a recording: give the folder of one")
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
+    _files.expect_own(path, _files.RECORDING)
     shown = everybody(log, 1 if sensor else 0)  # velocities of a sensor log come from the frames before
     record_scenario(path, shown, log_name="recorded")
     count = many(sum(kind in PLANNED_KINDS for kind in log.kind), "vehicle")

@@ -6,9 +6,10 @@ from typing import Annotated
 from typer import Argument, Option, Typer
 
 from drivegen.cli._console import plain
+from drivegen.cli._files import BUNDLE, expect_own, lies_in
 from drivegen.cli._project import MODELS
 from drivegen.core.errors import UnusableInput
-from drivegen.store.bundle import pack, unpack
+from drivegen.store.bundle import ALLOWED, pack, unpack
 
 command = Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -24,9 +25,21 @@ def about() -> None:
 @command.command()
 def save(bundle: Bundle, models: Models = MODELS) -> None:
     """Pack the trained models into FILE."""
-    if bundle.resolve().is_relative_to(models.resolve()):
+    if lies_in(bundle, models):
         raise UnusableInput(f"{bundle} would lie among the models that are packed: name a place outside {models}")
+    expect_own(bundle, BUNDLE)
+    if models != MODELS:
+        _expect_models(models)
     plain().print(f"{bundle}: {len(pack(models, bundle))} files of {models}")
+
+
+def _expect_models(folder: Path) -> None:
+    """Raises UnusableInput where a folder that was named is another one than that of models: nothing of it is to be removed."""
+    files = [file for file in sorted(folder.rglob("*")) if file.is_file()]
+    others = [str(file) for file in files if file.suffix not in ALLOWED]
+    if others or not files:
+        what = f"something else, {others[0]}" if others else "nothing"
+        raise UnusableInput(f"{folder} is not the folder of trained models, it holds {what}: name the one that is, as {MODELS}")
 
 
 @command.command()

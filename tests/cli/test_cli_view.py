@@ -78,3 +78,29 @@ def test_a_recording_is_not_written_again(kinds, monkeypatch, capsys):
 def test_what_is_no_scenario_here_may_be_one_in_the_project_s_folder(kinds, monkeypatch, capsys):
     assert call(monkeypatch, "town:7") == 2
     assert "give a scenario's folder or, in the project's, its id" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("empty.rrd",), "empty.rrd is no recording, or was cut off: give a scenario's folder"),
+        (("text.rrd",), "text.rrd is no recording"),
+        (("nowhere.rrd",), "nowhere.rrd is not there: give a recording that is"),
+        (("data/shipped/shard-00000.parquet",), "shard-00000.parquet is a file and no recording (.rrd): give one or a folder"),
+        (("town:7", "--futures", "wrong"), "wrong is no folder: --futures names that of the futures"),
+        (("town:7-s00",), "town:7-s00 is a future, and data/generated/drivegen is not there: name the folder"),
+        (("town:7-s05", "--futures", "made"), "made has no number 05 of town:7, `drivegen view made` lists what it has"),
+        (("village:1-s00",), "village:1-s00 is no folder, and no scenario in data/shipped"),
+    ],
+)
+def test_what_is_not_there_is_said_with_its_place(kinds, monkeypatch, capsys, words, sentence):
+    road = scenes.straight_road()
+    log = scenes.stack([scenes.drive(road.centreline[0], 20.0, 8.0, 101)])
+    scene = scenes.scenario(road, log, "town:7")
+    write_shard(kinds.parent / "data/shipped/shard-00000.parquet", [scene])
+    write_samples(kinds.parent / "made/shard-00000.parquet", [scenes.noisy_samples(scene, 2)])
+    (kinds.parent / "empty.rrd").touch()
+    (kinds.parent / "text.rrd").write_text("text")
+    assert call(monkeypatch, *words) == 2
+    assert sentence in capsys.readouterr().err
+    assert not list(kinds.parent.glob("town*.rrd"))
