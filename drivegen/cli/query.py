@@ -32,6 +32,8 @@ def command(
     csv: Annotated[bool, Option("--csv", help="Print all rows as CSV.")] = False,
 ) -> None:
     """Answer SQL over the results; nothing is changed, and no other file is read. `docs/store.md` has the tables."""
+    if warehouse != WAREHOUSE and not warehouse.is_file():
+        raise UnusableInput(f"{warehouse} is no file: name the warehouse that the stage collect writes, as {WAREHOUSE}")
     answer = query(warehouse, sql)
     try:
         if csv:

@@ -91,13 +91,31 @@ def query(path: Path, sql: str) -> pa.Table:
     """
     if not path.is_file():
         raise MissingTool(f"{path} is not here: `make run` makes it, in the project's folder: change into it")
-    try:
-        with duckdb.connect(str(path), read_only=True, config=_CLOSED) as connection:
+    with _opened(path) as connection:
+        try:
             if len(statements := duckdb.extract_statements(sql)) != 1:
-                raise UnusableInput(f"one statement of SQL is answered at a time, not {len(statements)}")
+                raise UnusableInput(
+                    f"one statement of SQL is answered at a time, not {len(statements)}: say one, as `from results`"
+                )
             return connection.sql(sql).to_arrow_table()
-    except (duckdb.Error, UnicodeError, TypeError) as error:  # the last two where the statement is no UTF-8
-        raise UnusableInput(_one_line(str(error)), reason="sql") from None
+        except (duckdb.Error, UnicodeError, TypeError) as error:  # the last two where the statement is no UTF-8
+            damaged = type(error) in (duckdb.Error, duckdb.IOException)  # what is wrong with a statement has kinds of its own
+            raise UnusableInput(_no_warehouse(path) if damaged else _one_line(str(error)), reason="sql") from None
+
+
+def _opened(path: Path) -> duckdb.DuckDBPyConnection:
+    try:
+        connection = duckdb.connect(str(path), read_only=True, config=_CLOSED)
+        there = {name for (name,) in connection.sql("show tables").fetchall()}
+    except duckdb.Error:
+        raise UnusableInput(_no_warehouse(path), reason="no-warehouse") from None
+    if not there >= TABLES.keys():
+        raise UnusableInput(_no_warehouse(path), reason="no-warehouse")
+    return connection
+
+
+def _no_warehouse(path: Path) -> str:
+    return f"{path} is no warehouse of results, or damaged: name the one that the stage collect writes, `make run` makes it anew"
 
 
 _CLOSED: dict[str, str | bool | int | float | list[str]] = {

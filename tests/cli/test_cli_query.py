@@ -2,6 +2,7 @@
 
 import re
 
+import duckdb
 import numpy as np
 import pytest
 
@@ -41,9 +42,31 @@ def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
     assert (done.returncode, done.stdout) == (1, "")
     assert "reports/drivegen.duckdb is not here: `make run` makes it, in the project's folder: change into it" in done.stderr
     warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
-    done = run("query", "selct 1", cwd=tmp_path)
-    assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1
+    for sql, why in {
+        "selct 1": "Parser Error",
+        "": "one statement of SQL is answered at a time, not 0: say one",
+    }.items():
+        done = run("query", sql, cwd=tmp_path)
+        assert done.returncode == 2
+        assert len(done.stderr.splitlines()) == 1
+        assert why in done.stderr
+
+
+def test_a_file_that_is_no_warehouse_is_named(tmp_path):
+    warehouse.build(tmp_path / "whole.duckdb", {"calls": CALLS.empty_table()})
+    raw = (tmp_path / "whole.duckdb").read_bytes()
+    contents = {"empty": b"", "text": b"text\n" * 5000, "cut": raw[:20_000], "changed": raw[:20_000] + b"?" * 9 + raw[20_009:]}
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    duckdb.connect(tmp_path / "foreign").execute("create table cars (name text)").close()
+    (tmp_path / "folder").mkdir()
+    for name in (*contents, "foreign"):
+        done = run("query", "from results", "--warehouse", name, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (2, f"drivegen: {warehouse._no_warehouse(name)}\n")
+    for name in ("folder", "nowhere"):
+        done = run("query", "from results", "--warehouse", name, cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+        assert f"{name} is no file: name the warehouse" in done.stderr
 
 
 @pytest.mark.parametrize(
