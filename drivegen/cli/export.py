@@ -18,6 +18,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.wording import many
 from drivegen.exporters.base import Exporter
+from drivegen.gym.folders import within
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
 from drivegen.store.lookup import CASES, DRIVEN_CASES, cases_in, futures_in
@@ -26,6 +27,8 @@ from drivegen.store.scenarios import read_shard, shards
 
 SAMPLES, DRIVEN = "samples", "driven"
 """Of a round of corner cases: the traffic, and the target as the driver drove it."""
+
+_REMEDY = "give a folder of shards, as data/shipped, which `make run` writes"
 
 Shards = Annotated[
     Path,
@@ -106,7 +109,11 @@ def _shards(place: Path) -> list[Path]:
         return [place]
     if files := shards(place):
         return files
-    raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
+    if not place.is_dir():
+        raise UnusableInput(f"{place} is not there: {_REMEDY}")
+    if any(place.glob("scenario_*.parquet")) or any(place.glob("*/scenario_*.parquet")):
+        raise UnusableInput(f"{place} is in Argoverse 2's layout already: give a folder of shards, or see docs/python.md")
+    raise UnusableInput(f"{place} holds no shard-*.parquet: {within(place) or _REMEDY}")
 
 
 def _futures(

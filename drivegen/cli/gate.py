@@ -20,6 +20,7 @@ from drivegen.gym.folders import SCENES, read_futures
 from drivegen.metrics.paired import Finding
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
+from drivegen.store.lookup import CASES
 
 RECORD = "gate.json"
 WORSE, UNDECIDED = 3, 4
@@ -44,10 +45,10 @@ def command(
     settings = build(Settings, read_section("gate.settings"), "stages/params.yaml: gate.settings")
     drivers, console = (driver_of(old), driver_of(new)), plain(least=TABLE)
     with _folder(out) as folder, console.status(f"driving {old} and {new}"):  # refused before anything is driven
-        if any(_is_round(place) for place in (scenarios, scenarios.resolve().parent)):
+        if any(_is_searched(place) for place in (scenarios, scenarios.resolve().parent)):
             raise UnusableInput(
-                f"{scenarios} is a round of corner cases, made for what a driver did: a gate wants scenes that nobody chose,"
-                " as data/generated/drivegen"
+                f"{scenarios} is a round of corner cases or an attack, made for what a driver did: a gate wants scenes that"
+                " nobody chose, as data/generated/drivegen"
             )
         futures = read_futures(scenarios, of)
         first = set(list(dict.fromkeys(scenario.scenario_id for scenario, *_ in futures))[:most])
@@ -66,8 +67,8 @@ def command(
         raise Exit(UNDECIDED)
 
 
-def _is_round(folder: Path) -> bool:
-    return all((folder / part).is_dir() for part in ("samples", "driven"))
+def _is_searched(folder: Path) -> bool:
+    return (folder / CASES).is_file() or all((folder / part).is_dir() for part in ("samples", "driven"))
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.ingest.selection import Settings, select
-from drivegen.store.lookup import futures_in
+from drivegen.store.lookup import CASES, cases_in, futures_in
 from drivegen.store.samples import holds_samples
 from drivegen.store.scenarios import read_shard, shards
 
@@ -31,16 +31,17 @@ def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
 def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, Trajectories]]:
     """Every scenario of a folder with 0 and its log, or with number and motion of each of its futures.
 
-    `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
-    scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons, with the first
-    of each in words. Raises UnusableInput where nothing remains, or where two have one id: whoever reads keeps them by it.
+    `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, what one adversary
+    found against a driver, one Argoverse 2 scenario, or a folder of those. What nobody can drive in is left out with a warning
+    that counts the reasons, with the first of each in words. Raises UnusableInput where nothing remains, or where two have one
+    id: whoever reads keeps them by it.
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
         in_project = folder.parts[:1] == SCENES.parts[:1] and not folder.exists()
         made = "run `make run` first, in the project's folder, or " if in_project else ""
         raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
-    files = shards(place)
+    files = _files(place)
     left_out: dict[str, list[str]] = defaultdict(list)
     usable, found = [], dict[tuple[str, int], Path]()
     for file in files or _argoverse2(place):
@@ -55,10 +56,21 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     reasons = ", ".join(f"{len(which)} {reason} ({which[0]})" for reason, which in sorted(left_out.items()))
     if not usable:
         why = reasons or ("its shards are empty" if files else "neither shard-*.parquet nor scenario_*.parquet is there")
-        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({why}): {_REMEDY}")
+        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({why}): {within(folder) or _REMEDY}")
     if reasons:
         warnings.warn(f"{folder}: scenarios left out: {reasons}", stacklevel=2)
     return usable
+
+
+def _files(place: Path) -> list[Path]:
+    """The shards of a folder, or the cases of an attack."""
+    return shards(place) or [file for file in (place / CASES,) if file.is_file()]
+
+
+def within(folder: Path) -> str:
+    """What to give in place of a folder that holds nothing itself: one in it that has shards or cases; "" without one."""
+    holding = sorted(place for place in folder.iterdir() if _files(place) or _files(place / "samples"))
+    return f"give a folder in it, as {holding[0]}" if holding else ""
 
 
 def _twice(scenario_id: str, one: Path, other: Path) -> str:
@@ -76,7 +88,7 @@ def _of_shard(shard: Path, of: Path, left_out: dict[str, list[str]]) -> Iterator
             else:
                 yield scenario, 0, scenario.log
         return
-    for scenario, samples in futures_in(shard, of):
+    for scenario, samples in cases_in(shard, of) if shard.name == CASES else futures_in(shard, of):
         yield from ((scenario, k, samples.motion[k]) for k in range(len(samples.dropped)))
 
 

@@ -61,11 +61,11 @@ def begun(environment: Environment, count: int, options: Mapping[str, Any] | Non
         raise UnusableInput(f"options {others} are not known: `scenario` is, the number of a playable scenario")
     if "scenario" not in options:
         return environment.draw_scenes(count, random)
-    asked, last = np.array(options["scenario"], object), len(environment.playable) - 1
-    known = all(isinstance(one, int | np.integer) and 0 <= one <= last for one in asked.flat)
-    if not known or asked.shape not in ((), (count,)):
-        raise UnusableInput(
-            f"options['scenario'] is {options['scenario']!r}: the playable scenarios have the numbers 0 to {last}, give one"
-        )
+    said, last = options["scenario"], len(environment.playable) - 1
+    asked = np.array(said, object)
+    if asked.shape not in ((), (count,)):
+        raise UnusableInput(f"options['scenario'] is {said!r}: give one number, or a list of {count}, one for each environment")
+    if not all(isinstance(one, int | np.integer) and not isinstance(one, bool) and 0 <= one <= last for one in asked.flat):
+        raise UnusableInput(f"options['scenario'] is {said!r}: the playable scenarios have the numbers 0 to {last}, give one")
     number = torch.from_numpy(np.broadcast_to(asked, count).astype(np.int64))
     return environment.playable[number.to(environment.playable.device)]

@@ -182,7 +182,7 @@ def test_without_models_generate_says_who_makes_them(tmp_path):
         (["generate", "--out", "o", "--map", "x", "--scenario", "y"], 2, "give exactly one of"),
         (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "change into the project's folder"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
-        (["export", "nowhere", "--out", "o"], 2, "nowhere holds no shard-*.parquet"),
+        (["export", "nowhere", "--out", "o"], 2, "nowhere is not there: give a folder of shards"),
         (["export", __file__, "--out", "o"], 2, "is no whole shard"),
         (["generate", "--out", "o", "--text", "x", "--seed", str(2**63)], 2, "'--seed'"),
         (["map", "roundabout with four arms", "--out", "o", "--seed", str(2**63)], 2, "'--seed'"),

@@ -133,13 +133,21 @@ def test_a_collision_in_the_last_frame_is_one_too(corner_round, hit):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
+        (["data/scenarios"], "data/scenarios holds no shard-*.parquet: give a folder in it, as data/scenarios/test"),
+        (["."], "holds no shard-*.parquet: give a folder in it, as round"),
+        (["empty"], "empty holds no shard-*.parquet: give a folder of shards, as data/shipped"),
+        (["recorded"], "recorded is in Argoverse 2's layout already: give a folder of shards"),
+        (["recorded/one"], "recorded/one is in Argoverse 2's layout already"),
         (["round/samples", "--collisions"], "is no round of corner cases"),
         (["round", "--of", "elsewhere"], "elsewhere/shard-00000.parquet, which is not there: name their folder"),
-        (["round", "--of", "other"], "holds futures of other scenarios than other/"),
+        (["round", "--of", "round/other"], "holds futures of other scenarios than round/other/"),
     ],
 )
-def test_futures_need_their_scenarios_and_only_rounds_know_collisions(corner_round, words, sentence):
-    write_shard(corner_round / "other" / "shard-00000.parquet", [scenes.busy_crossing(20, "another")])
+def test_what_cannot_be_exported_is_said_with_the_folder_to_give(corner_round, words, sentence):
+    (corner_round / "empty").mkdir()
+    (corner_round / "recorded/one").mkdir(parents=True)
+    (corner_round / "recorded/one/scenario_one.parquet").touch()
+    write_shard(corner_round / "round/other" / "shard-00000.parquet", [scenes.busy_crossing(20, "another")])
     done = run("export", *words, "--out", "out", cwd=corner_round)
     assert done.returncode == 2
     assert sentence in done.stderr

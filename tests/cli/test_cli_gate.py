@@ -98,6 +98,16 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("lost.yaml", "scenes", "lost.yaml is no file: give one with a driver's name and settings"),
         ("lost.yml", "scenes", "lost.yml is no file: give one with a driver's name and settings"),
         ("idm", "data/scenarios/test", "data/scenarios/test is no folder: run `make run` first"),
+        ("./idm", "scenes", "'./idm' is no driver: give a Python file (.py), a YAML file"),
+        ("drivers", "scenes", "'drivers' is no driver: give a Python file (.py), a YAML file"),
+        ("", "scenes", "'' is no driver: give a Python file (.py), a YAML file"),
+        ("unknown.yaml", "scenes", "unknown.yaml: no drivers plugin is called 'foo'"),
+        ("mutant.yaml", "scenes", "mutant.yaml: there is no mutated driver 'idm.foo'"),
+        (
+            "untaught.yaml",
+            "scenes",
+            "untaught.yaml: lost holds no trained driver: run `make run` first, or name the folder of its",
+        ),
         ("two.yaml", "scenes", "two.yaml must be a driver's name"),
         ("wrong.yaml", "scenes", "wrong.yaml: idm: unknown name 'head'"),
         ("text.yaml", "scenes", "text.yaml: idm.headway must be float"),
@@ -107,6 +117,7 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("idm", "empty", "(neither shard-*.parquet nor scenario_*.parquet is there): give one with shards"),
         ("idm", "stands", "(1 no-motion (scene-0)): give one with shards"),
         ("idm", "round", "round is a round of corner cases"),
+        ("idm", "attack", "attack is a round of corner cases or an attack"),
         ("idm", "round/samples", "round/samples is a round of corner cases"),
         ("idm", "futures", "name their folder"),
     ],
@@ -116,6 +127,11 @@ def test_what_cannot_be_compared_is_one_sentence_and_leaves_nothing(project, mon
     write_shard(project / "stands/shard-00000.parquet", [replace(scenario(straight_road(), parked(80.0)), log=None)])
     for part in ("samples", "driven"):
         shutil.copytree(project / "futures", project / "round" / part)
+    write_samples(project / "attack/samples.parquet", [])
+    (project / "drivers").mkdir()
+    (project / "unknown.yaml").write_text("foo: {}\n")
+    (project / "mutant.yaml").write_text("idm.foo: {}\n")
+    (project / "untaught.yaml").write_text("gail: {weights: lost}\n")
     (project / "two.yaml").write_text("idm: {}\ngail: {}\n")
     (project / "wrong.yaml").write_text("idm: {head: 1.0}\n")
     (project / "text.yaml").write_text("idm: {headway: soon}\n")

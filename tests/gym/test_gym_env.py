@@ -279,10 +279,16 @@ def test_actions_of_another_shape_are_refused_and_not_rearranged():
     assert one_number.step(np.zeros(3, np.float32))[1].shape == (3,)
 
 
-@pytest.mark.parametrize("number", [-1, 1, "alone", None, 0.5, [0, 0, 0]])
-def test_a_scenario_that_is_not_there_is_named(number):
+@pytest.mark.parametrize(
+    ("number", "why"),
+    [
+        *((number, "the playable scenarios have the numbers 0 to 0, give one") for number in (-1, 1, "alone", None, 0.5, False)),
+        ([0, 0, 0], r"give one number, or a list of \d, one for each environment"),
+    ],
+)
+def test_a_scenario_that_is_not_there_is_named(number, why):
     for env in (DriveEnv([alone()], SETTINGS), DriveVectorEnv([alone()], 2, SETTINGS)):
-        with pytest.raises(UnusableInput, match=r"is .*: the playable scenarios have the numbers 0 to 0"):
+        with pytest.raises(UnusableInput, match=rf"is .*: {why}"):
             env.reset(options={"scenario": number})
         with pytest.raises(UnusableInput, match=r"options \['reset_mask'\] are not known"):
             env.reset(options={"reset_mask": np.array([True])})

@@ -56,6 +56,18 @@ def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
         read_traffic(Path("data/scenarios/none"))
 
 
+def test_the_cases_of_an_attack_are_read_and_a_folder_above_them_names_them(folder):
+    attack, scene = folder / "attack/idm/cat.legal.10", busy_crossing(61, "scene-b")
+    write_samples(attack / "samples.parquet", [noisy_samples(scene, 1)])
+    [(found, _)] = read_traffic(attack, of=folder / "scenarios")
+    assert found.scenario_id == "scene-b"
+    corner_round = folder / "corner/0"
+    write_samples(corner_round / "samples/shard-00000.parquet", [])
+    for above, one in ((attack.parent, attack), (corner_round.parent, corner_round), (folder, folder / "generated")):
+        with pytest.raises(UnusableInput, match=f"is there\\): give a folder in it, as {one}$"):
+            read_traffic(above)
+
+
 def test_two_scenarios_of_one_id_are_refused_by_both_places(tmp_path):
     scene = busy_crossing(110, "map-7-0000")
     for place in ("here", "there"):
