@@ -36,6 +36,9 @@ _ASSUMED = {
 }
 _TIMEOUT = 300.0
 
+_SHOWN = 5
+"""Names of junctions in a sentence at most."""
+
 
 @dataclass(frozen=True)
 class Window:
@@ -81,11 +84,16 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     """The part of a SUMO network inside `window`, coordinates kept."""
     if not 10 <= window.radius <= 5000:
         raise UnusableInput(f"the window's radius must be between 10 and 5000 m, not {window.radius:g}", reason="bad-window")
-    x, y = _centre(parse(network, place, root="net"), place, window)
+    root = parse(network, place, root="net")
+    x, y = _centre(root, place, window)
     box = ",".join(f"{value:.2f}" for value in (x - window.radius, y - window.radius, x + window.radius, y + window.radius))
     arguments = ["-s", "in.net.xml", "--keep-edges.in-boundary", box, *_CAR, "--offset.disable-normalization", "true"]
     arguments += ["--ignore-errors", "true", "-o", "out.net.xml"]
-    nothing = UnusableInput(f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f})", reason="empty-window")
+    nothing = UnusableInput(
+        f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f}):"
+        f" name a place on its roads{_extent(root)}, or a larger radius",
+        reason="empty-window",
+    )
     try:
         made = convert({"in.net.xml": network}, arguments, "out.net.xml", _TIMEOUT)
     except NetconvertRefused as refusal:
@@ -126,12 +134,13 @@ def _converted(data: bytes, root: Element, place: str) -> bytes:
 def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:
     if window.around is not None:
         if not all(math.isfinite(value) for value in window.around):
-            raise UnusableInput("the window's place must be two numbers", reason="bad-window")
+            raise UnusableInput("the window's place must be two finite numbers, as 120,80", reason="bad-window")
         return window.around
     nodes = {j.get("id", ""): j for j in root.iter("junction") if j.get("type") != "internal"}
     name = window.junction if window.junction is not None else _busiest(root, nodes)
     if name not in nodes:
-        raise UnusableInput(f"{place} has no junction {name!r}", reason="bad-window")
+        shown = ", ".join(sorted(nodes)[:_SHOWN]) + (", ..." if len(nodes) > _SHOWN else "")
+        raise UnusableInput(f"{place} has no junction {name!r}: name one of its {len(nodes)}, {shown}", reason="bad-window")
     try:
         x, y = float(nodes[name].get("x", "")), float(nodes[name].get("y", ""))
     except ValueError:
@@ -139,6 +148,16 @@ def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:
     if not math.isfinite(x + y):
         raise UnusableInput(f"{place}: junction {name!r} has no place (x and y): repair the file", reason="bad-map")
     return x, y
+
+
+def _extent(root: Element) -> str:
+    """Where a network says that it lies, in brackets; nothing where it does not say so in four numbers."""
+    location = root.find("location")
+    try:
+        left, bottom, right, top = map(float, location.get("convBoundary", "").split(",") if location is not None else ())
+    except ValueError:
+        return ""
+    return f" (x from {left:.0f} to {right:.0f}, y from {bottom:.0f} to {top:.0f})"
 
 
 def _busiest(root: Element, nodes: dict[str, Element]) -> str:

@@ -24,7 +24,8 @@ def refine_map(folder: Path, text: str, edit: Callable[[MapSpec, str], MapSpec])
     except FileNotFoundError:
         raise UnusableInput(f"{file} is not there: make the map first", reason="no-map") from None
     except (KeyError, TypeError, ValidationError):
-        raise UnusableInput(f"{file} holds no map specification: imported maps cannot be refined", reason="no-map") from None
+        what = f"{file} holds no map specification, as of imported maps, which cannot be refined"
+        raise UnusableInput(f"{what}: change the network in SUMO's netedit and import it", reason="no-map") from None
     done = {"edit": text, "before": account["spec"]}
     kept = {name: account[name] for name in ("text", "seed", "backend", "understood", "assumed", "ignored") if name in account}
     return build_spec(edit(spec, text), {**kept, "history": [*history, done]})

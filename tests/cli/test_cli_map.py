@@ -122,8 +122,12 @@ def test_opendrive_loses_that_traffic_keeps_left_and_says_so(folder, tmp_path):
         (["import", "FOLDER/map.png", "--out", "o"], "drivegen: "),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "here"], "--around takes two numbers"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "0,0", "--junction", "a"], "one of --around and --junction"),
-        (["import", "FOLDER/map.net.xml", "--out", "o", "--junction", "nothing"], "no junction 'nothing'"),
-        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "1e6,0"], "no road within 150 m"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--junction", "nothing"], "no junction 'nothing': name one of its "),
+        (
+            ["import", "FOLDER/map.net.xml", "--out", "o", "--around", "1e6,0"],
+            "of (1000000, 0): name a place on its roads (x from ",
+        ),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "nan,0"], "place must be two finite numbers, as 120,80"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "400,0", "--radius", "60"], "no road within 60 m"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--radius", "nan"], "radius must be between 10 and 5000 m"),
         (["import", "--out", "o"], "Missing argument"),
@@ -174,7 +178,9 @@ def test_links_that_lead_in_a_circle_and_a_history_that_is_none_are_refused(fold
     account = json.loads(files(folder)["map.json"])
     for history in (5, [5], ["add a lane"], [{"edit": "add a lane"}]):
         (tmp_path / "map.json").write_text(json.dumps(account | {"history": history}))
-        assert "holds no map specification" in refused(monkeypatch, capsys, "refine", str(tmp_path), "add a lane")
+        assert "holds no map specification, as of imported maps, which cannot be refined: change the network in" in refused(
+            monkeypatch, capsys, "refine", str(tmp_path), "add a lane"
+        )
 
 
 def test_what_netconvert_refuses_names_the_file(tmp_path, monkeypatch, capsys):
