@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from drivegen import cli
 from drivegen.cli import doctor
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.prices import price
 from drivegen.lm.prompt import OverBudget
@@ -51,20 +51,27 @@ def calls_of(command: str) -> list[dict]:
     return [row for file in files for row in pq.read_table(file).to_pylist()]
 
 
+def estimated(*lm: str, lacks: str) -> str:
+    """What is estimated of maps in a project without scenes, which is told of the roles that it `lacks` them for."""
+    told = CliRunner().invoke(cli.build(["estimate"]), ["estimate", *(["--lm"] if lm else []), *lm])
+    assert (
+        str(told.exception) == f"{lacks} not estimated: no scenes in data/scenarios/test to be asked about, `make run` makes them"
+    )
+    assert isinstance(told.exception, MissingTool)
+    return told.output
+
+
 def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
-    told = drivegen("estimate", "--lm", "openai:gpt-4o", "--max-usd", "0.5").output
+    told = estimated("openai:gpt-4o", "--max-usd", "0.5", lacks="goals and corner_cases")
     assert "calls       2" in told
     assert "gpt-4o" in told
     assert "stops at 0.5000" in told
     assert "unknown" not in told
-    assert "dollars     unknown" in drivegen("estimate").output
+    assert "dollars     unknown" in estimated(lacks="goals")
     assert "nothing is spent" in drivegen("estimate", "--lm", "offline").output
 
 
 def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path):
-    told = drivegen("estimate", "--lm", "openai:gpt-4o").output
-    assert "no scenes in data/scenarios/test" in told
-    assert "corner_cases  no scenes in data/scenarios/test" in told
     own = yaml.safe_load((tmp_path / "params.yaml").read_text())
     whole = yaml.safe_load(PARAMS.read_text())
     (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {name: whole[name] for name in ("goals", "corner", "run")}))
