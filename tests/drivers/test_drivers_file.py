@@ -17,7 +17,11 @@ from tests.scenes import drive, scenario, stack, straight_road
 
 GOOD = "from drivegen.world.observation import Action\ndef act(seen): return Action(0 * seen.speed)\n"
 BAD = {
-    "no_function": ("x = 1\n", "has no function act"),
+    "no_function": ("x = 1\n", "has no function act.observation.: see docs/drivers.md"),
+    "plugin": (
+        "class Plugin:\n    pass\n",
+        "no function act.observation.: its `Plugin` needs settings, which params.yaml has by name;",
+    ),
     "does_not_run": ("import nothing_like_it\n", "cannot be run: ModuleNotFoundError"),
     "no_python": ("def act(:\n", "cannot be run: SyntaxError"),
     "raises": (

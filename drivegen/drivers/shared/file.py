@@ -15,6 +15,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.drivers.shared.answer import checked
 from drivegen.world.observation import Action, Observation
 
+_SEE = "see docs/drivers.md"
+_PLUGIN = "its `Plugin` needs settings, which params.yaml has by name; copy it into drivegen/drivers and name it without .py"
+
 
 class FileDriver:
     """Asks the function; `name` is the file's. What goes wrong in it is UnusableInput, in one sentence."""
@@ -50,7 +53,7 @@ def _function(path: Path) -> Callable[[Observation], Any]:
         raise UnusableInput(f"{path} cannot be run: {_what(error)}") from error
     act: Callable[[Observation], Any] | None = getattr(module, "act", None)
     if not callable(act):
-        raise UnusableInput(f"{path} has no function act(observation): see docs/drivers.md")
+        raise UnusableInput(f"{path} has no function act(observation): {_PLUGIN if hasattr(module, 'Plugin') else _SEE}")
     return act
 
 
