@@ -20,7 +20,7 @@ from drivegen.recording.sample import record_sample
 from drivegen.store.collisions import read_pictured
 from drivegen.store.draw import by_method, draw_scenes, followed_goals, goals_of
 from drivegen.store.files import write_json
-from drivegen.store.lookup import samples_in, scenario_in
+from drivegen.store.lookup import DRIVEN, SAMPLES, samples_in, scenario_in
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from stages._door import require
 
@@ -86,7 +86,7 @@ def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, Any]
     for one in read_pictured(corner):
         where, played = one.where, one.path.parents[1]
         scenario = scenario_in(scenarios / where.shard, where.scenario_id)
-        planned, driven = (samples_in(played / part / where.shard, where.scenario_id) for part in ("samples", "driven"))
+        planned, driven = (samples_in(played / part / where.shard, where.scenario_id) for part in (SAMPLES, DRIVEN))
         file = out / f"{one.name}.rrd"
         record_collision(file, scenario, planned, driven.motion[:, 0], where, one.title, one.words)
         links.append(_entry(file, f"{one.title}: {where.scenario_id}", where.scenario_id, where.sample, "corner", played.name))

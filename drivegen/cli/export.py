@@ -21,12 +21,9 @@ from drivegen.exporters.base import Exporter
 from drivegen.gym.folders import within
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
-from drivegen.store.lookup import CASES, DRIVEN_CASES, cases_in, futures_in
+from drivegen.store.lookup import CASES, DRIVEN, DRIVEN_CASES, SAMPLES, cases_in, futures_in, is_round
 from drivegen.store.samples import holds_samples, read_samples
 from drivegen.store.scenarios import read_shard, shards
-
-SAMPLES, DRIVEN = "samples", "driven"
-"""Of a round of corner cases: the traffic, and the target as the driver drove it."""
 
 _REMEDY = "give a folder of shards, as data/shipped, which `make run` writes"
 
@@ -91,16 +88,16 @@ def _scenarios(place: Path, choice: _Choice) -> Iterator[Scenario]:
     if (place / CASES).is_file():
         yield from _futures(cases_in(place / CASES, choice.of), read_samples(place / DRIVEN_CASES), choice)
         return
-    is_round = (place / SAMPLES).is_dir() and (place / DRIVEN).is_dir()
-    if (choice.collisions or choice.driven) and not is_round:
+    played = is_round(place)
+    if (choice.collisions or choice.driven) and not played:
         raise UnusableInput(
             f"{place} is no round of corner cases, nor an attack: --collisions and --driven are for those, as data/corner/0"
         )
-    for shard in _shards(place / SAMPLES if is_round else place):
+    for shard in _shards(place / SAMPLES if played else place):
         if not holds_samples(shard):
             yield from read_shard(shard)
             continue
-        driven = read_samples(place / DRIVEN / shard.name) if is_round else None
+        driven = read_samples(place / DRIVEN / shard.name) if played else None
         yield from _futures(futures_in(shard, choice.of), driven, choice)
 
 

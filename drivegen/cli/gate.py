@@ -20,7 +20,7 @@ from drivegen.gym.folders import SCENES, read_futures
 from drivegen.metrics.paired import Finding
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
-from drivegen.store.lookup import CASES
+from drivegen.store.lookup import CASES, is_round
 
 RECORD = "gate.json"
 WORSE, UNDECIDED = 3, 4
@@ -68,7 +68,7 @@ def command(
 
 
 def _is_searched(folder: Path) -> bool:
-    return (folder / CASES).is_file() or all((folder / part).is_dir() for part in ("samples", "driven"))
+    return (folder / CASES).is_file() or is_round(folder)
 
 
 @contextmanager

@@ -19,9 +19,8 @@ from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.ingest.selection import everybody
 from drivegen.ingest.vehicles import PLANNED_KINDS
 from drivegen.recording.record import record_scenario
-from drivegen.store.lookup import CASES, find_sample, find_scenario, ids_in
+from drivegen.store.lookup import find_sample, find_scenario, ids_in, traffic_files
 from drivegen.store.samples import holds_samples
-from drivegen.store.scenarios import shards
 
 SHARDS = tuple(Path("data") / name for name in ("shipped", "scenarios/test", "scenarios/val", "scenarios/train"))
 """Where an id is looked for, in this order."""
@@ -95,12 +94,11 @@ def _words_for_shards(folder: Path) -> list[str]:
     """What views each scenario of a folder of shards, a round of corner cases or an attack, or its first future; raises
     UnusableInput where no id leads into it.
     """
-    place = folder / "samples" if (folder / "samples").is_dir() else folder
-    files = shards(place) or [file for file in (place / CASES,) if file.is_file()]
+    files = traffic_files(folder)
     futures = bool(files) and holds_samples(files[0])
-    if files and not futures and place.resolve() not in [known.resolve() for known in SHARDS]:
+    if files and not futures and files[0].parent.resolve() not in [known.resolve() for known in SHARDS]:
         raise UnusableInput(f"{folder} holds shards: `drivegen export` makes folders of them, which can be viewed")
-    number = f"-s00 --futures {shlex.quote(str(place))}" if futures else ""
+    number = f"-s00 --futures {shlex.quote(str(files[0].parent))}" if futures else ""
     return [shlex.quote(name) + number for file in files for name in ids_in(file)]
 
 

@@ -19,7 +19,7 @@ from drivegen.lm.prompt import Image
 from drivegen.questions.goals import examples
 from drivegen.store.collisions import FOLDER, Where, write_pictured
 from drivegen.store.files import write_json
-from drivegen.store.lookup import samples_in, scenario_in
+from drivegen.store.lookup import DRIVEN, SAMPLES, samples_in, scenario_in
 from drivegen.store.samples import read_samples, write_samples
 
 
@@ -67,12 +67,12 @@ class RoundFolder:
 
     def write_drives(self, shard: str, drives: Sequence[Drive]) -> None:
         """Samples and driven targets of the scenarios of one shard; `shard` is its file's name."""
-        write_samples(self.path / "samples" / shard, [drive.samples for drive in drives])
-        write_samples(self.path / "driven" / shard, [drive.driven for drive in drives])
+        write_samples(self.path / SAMPLES / shard, [drive.samples for drive in drives])
+        write_samples(self.path / DRIVEN / shard, [drive.driven for drive in drives])
 
     def driven(self, shard: str) -> list[Trajectories]:
         """The target's motion (K, T) in each scenario of a shard; raises MissingTool where the round was not played."""
-        return [driven.motion[:, 0] for driven in read_samples(self._expect(self.path / "driven" / shard))]
+        return [driven.motion[:, 0] for driven in read_samples(self._expect(self.path / DRIVEN / shard))]
 
     def write_pictures(self, collisions: Sequence[tuple[Path, Collision]], knowledge: Knowledge, most: int) -> None:
         """At most `most` of the round's `collisions`, the most telling ones; each comes with the shard of its scenario."""
@@ -80,7 +80,7 @@ class RoundFolder:
         for number, one in enumerate(telling([collision for _, collision in collisions], knowledge, most)):
             shard = shards[one.scenario_id]
             scenario = scenario_in(shard, one.scenario_id)
-            traffic, driven = (samples_in(self.path / part / shard.name, one.scenario_id) for part in ("samples", "driven"))
+            traffic, driven = (samples_in(self.path / part / shard.name, one.scenario_id) for part in (SAMPLES, DRIVEN))
             png = picture(one, scenario, traffic, driven.motion[:, 0])
             where = Where(one.scenario_id, shard.name, one.sample, one.partner, one.step)
             write_pictured(self.collisions / str(number), png, in_words(one, knowledge), where)

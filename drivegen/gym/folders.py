@@ -10,9 +10,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.ingest.selection import Settings, select
-from drivegen.store.lookup import CASES, cases_in, futures_in
+from drivegen.store.lookup import CASES, cases_in, futures_in, traffic_files
 from drivegen.store.samples import holds_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import read_shard
 
 SELECTION = Settings(target="focal", max_vehicles=1000, first_step=0, horizon=20_000, map_radius=None, smallest_shrink=0.8)
 """How an Argoverse 2 recording becomes a scenario: with all of its vehicles and steps."""
@@ -36,15 +36,14 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     that counts the reasons, with the first of each in words. Raises UnusableInput where nothing remains, or where two have one
     id: whoever reads keeps them by it.
     """
-    place = folder / "samples" if (folder / "samples").is_dir() else folder
-    if not place.is_dir():
+    if not folder.is_dir():
         in_project = folder.parts[:1] == SCENES.parts[:1] and not folder.exists()
         made = "run `make run` first, in the project's folder, or " if in_project else ""
         raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
-    files = _files(place)
+    files = traffic_files(folder)
     left_out: dict[str, list[str]] = defaultdict(list)
     usable, found = [], dict[tuple[str, int], Path]()
-    for file in files or _argoverse2(place):
+    for file in files or _argoverse2(folder):
         for scenario, number, motion in _of_shard(file, of, left_out) if files else _of_folder(file, left_out):
             if (other := found.get((scenario.scenario_id, number))) is not None:
                 raise UnusableInput(_twice(scenario.scenario_id, other, file))
@@ -62,14 +61,9 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     return usable
 
 
-def _files(place: Path) -> list[Path]:
-    """The shards of a folder, or the cases of an attack."""
-    return shards(place) or [file for file in (place / CASES,) if file.is_file()]
-
-
 def within(folder: Path) -> str:
     """What to give in place of a folder that holds nothing itself: one in it that has shards or cases; "" without one."""
-    holding = sorted(place for place in folder.iterdir() if _files(place) or _files(place / "samples"))
+    holding = sorted(place for place in folder.iterdir() if traffic_files(place))
     return f"give a folder in it, as {holding[0]}" if holding else ""
 
 

@@ -20,6 +20,9 @@ _Row = TypeVar("_Row", Scenario, Samples)
 CASES, DRIVEN_CASES = "samples.parquet", "driven.parquet"
 """Of the folder of an attack: its cases, of some scenarios only, one future each; the targets alone, as they were driven."""
 
+SAMPLES, DRIVEN = "samples", "driven"
+"""Folders in that of a round of corner cases: its traffic; the targets alone, as they were driven."""
+
 _SAMPLE = re.compile(r"(.+)-s(\d{2,})")
 
 
@@ -49,6 +52,17 @@ def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Sc
     samples = samples_in(files[0], scenario.scenario_id)
     number = int(parts[2])
     return (scenario, samples, number) if number < len(samples.dropped) else None
+
+
+def is_round(folder: Path) -> bool:
+    """Whether a folder is a round of corner cases."""
+    return (folder / SAMPLES).is_dir() and (folder / DRIVEN).is_dir()
+
+
+def traffic_files(folder: Path) -> list[Path]:
+    """The shards of a folder, those of the traffic of a round of corner cases, or the cases of an attack; [] without any."""
+    place = folder / SAMPLES if is_round(folder) else folder
+    return shards(place) or [file for file in (place / CASES,) if file.is_file()]
 
 
 def ids_in(shard: Path) -> list[str]:

@@ -62,6 +62,7 @@ def test_scenarios_of_shards_are_listed_by_what_views_them(kinds, monkeypatch, c
         assert call(monkeypatch, *shlex.split(words), "--out", "made.rrd") == 0
         capsys.readouterr()
     (kinds.parent / "data/my futures").rename(kinds.parent / "samples")
+    (kinds.parent / "driven").mkdir()  # as in a round of corner cases
     assert call(monkeypatch, ".") == 2
     assert capsys.readouterr().err.endswith("\n  drivegen view town:7-s00 --futures samples\n")
     assert call(monkeypatch, "data/beset") == 2

@@ -11,46 +11,22 @@ from gymnasium.utils.env_checker import check_env
 
 import drivegen.gym
 from drivegen.core.errors import UnusableInput
-from drivegen.core.settings import read_params
 from drivegen.core.signals import Signals, SignalState
-from drivegen.drivers.shared.conditions import Settings
 from drivegen.drivers.shared.environment import TERMS, Environment
 from drivegen.drivers.shared.features import COUNT
 from drivegen.gym.env import DriveEnv
 from drivegen.gym.picture import present
 from drivegen.gym.sb3 import DriveVecEnv
 from drivegen.gym.vector import DriveVectorEnv
-from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.scenarios import write_shard
-from drivegen.world.observation import Action
-from drivegen.world.outcome import CollisionKind
-from tests.scenes import across, busy_crossing, crossing, drive, joined, noisy_samples, scenario, stack, straight_road
-
-SETTINGS = read_params("environment", Settings)
-ROAD = straight_road(300, whole=True)
-LINE = ROAD.centreline[0].astype(np.float64)
-NEXT = ROAD.centreline[1].astype(np.float64)
-
-
-def alone(start=10.0, speed=10.0, steps=51):
-    log = stack([drive(LINE, start, speed, steps), drive(NEXT, 280, 0, steps)])
-    return scenario(ROAD, log, f"alone-{start}"), log
-
-
-def behind_a_parked_car(gap=30.0):
-    log = stack([drive(LINE, 10, 10, 101), drive(LINE, 10 + gap, 0, 101)])
-    return scenario(ROAD, log, "behind"), log
-
-
-def hit_from_behind_at_once():
-    log = stack([drive(LINE, 50, 5, 101), drive(LINE, 45, 20, 101)])
-    return scenario(ROAD, log, "hit"), log
-
-
-def met_at_once_by_who_appears():
-    log = stack([drive(LINE, 50, 5, 101), drive(LINE, 52, 5, 101)])
-    log.valid[1, 0] = False
-    return scenario(ROAD, log, "met"), log
+from tests.gym.pairs import (
+    LINE,
+    ROAD,
+    SETTINGS,
+    alone,
+    behind_a_parked_car,
+)
+from tests.scenes import busy_crossing, crossing, drive, joined, scenario, stack
 
 
 @pytest.fixture(scope="module")
@@ -78,24 +54,6 @@ def test_the_name_and_the_project_s_params_are_enough(folder):
     assert info["scenario"] == "scene-b"
     vector = gymnasium.make_vec("DriveGen/Drive-v0", num_envs=4, scenarios=str(folder / "scenarios"))
     assert vector.reset(seed=3)[0].shape == (4, COUNT)
-
-
-def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
-    for pair, terminated, kind, steps in (
-        (behind_a_parked_car(), True, CollisionKind.FRONT, 26),
-        (alone(steps=51), False, CollisionKind.NONE, 50),
-        (alone(start=265, steps=51), False, CollisionKind.NONE, None),
-    ):
-        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
-        env.reset(seed=0)
-        for step in range(1, 101):  # noqa: B007 the last one counts
-            _, _, ended, cut, info = env.step(np.zeros(1, np.float32))
-            if ended or cut:
-                break
-        assert (ended, cut) == (terminated, not terminated)
-        assert info["collision"] == kind
-        assert steps is None or step == pytest.approx(steps, abs=1)
-        assert info["left_map"] == (steps is None and kind == CollisionKind.NONE)
 
 
 def test_the_reward_is_the_sum_of_its_terms_and_each_can_be_computed_by_hand():
@@ -129,39 +87,6 @@ def test_a_red_line_that_is_crossed_in_the_first_step_is_paid_for_as_well():
     for _ in range(2):
         env.reset(seed=0)
         assert env.step(np.zeros(1, np.float32))[4]["reward/red"] == SETTINGS.rewards.red
-
-
-def test_collisions_in_the_first_step_of_an_episode_are_of_their_kind_whatever_was_before():
-    episodes = Environment([alone(), hit_from_behind_at_once(), met_at_once_by_who_appears()], 2, SETTINGS)
-    rows = torch.tensor([1])
-    for scene, kind in ((1, CollisionKind.HIT_FROM_BEHIND), (2, CollisionKind.AT_SPAWN)):
-        for _ in range(3):
-            episodes.reset(torch.tensor([0, 0]))
-            episodes.step(torch.zeros(2, 1))
-            episodes.reset(torch.tensor([scene]), rows)
-            made = episodes.step(torch.zeros(2, 1))
-            assert made.kind.tolist() == [CollisionKind.NONE, kind]
-            assert float(made.terms[1, TERMS.index("hit")]) == SETTINGS.rewards.hit
-            assert float(made.terms[1, TERMS.index("collision")]) == 0
-
-
-def test_a_crash_in_the_last_step_ends_an_episode_and_one_beyond_the_exit_is_none():
-    scene, log = behind_a_parked_car()
-    hit = int(Batch().run(Held(0.0), [scene], [log]).step[0])
-    beyond = stack([drive(LINE, 265, 10, 101), drive(across(301), 120, 0, 101)])  # met in the step in which the target leaves
-    for pair, expected in (
-        ((scene, log.until(hit + 1)), (hit, True, False, False)),
-        ((scenario(ROAD, beyond), beyond), (33, False, True, True)),
-    ):
-        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
-        env.reset(seed=0)
-        for step in range(1, 101):  # noqa: B007 the last one counts
-            _, _, ended, truncated, info = env.step(np.zeros(1, np.float32))
-            if ended or truncated:
-                break
-        assert (step, ended, truncated, info["left_map"]) == expected
-        outcome = Batch().run(Held(0.0), *zip(pair, strict=True))
-        assert (outcome.collided[0], outcome.left_map[0]) == (ended, truncated)
 
 
 def test_rows_are_reset_in_the_step_in_which_they_end_and_the_last_observation_is_kept():
@@ -222,19 +147,6 @@ def test_a_free_target_follows_its_wheels_within_limits_and_ends_off_the_road():
     assert any(ends)
     assert bool(steps[ends.index(True)].terminated)
     assert float(steps[ends.index(True)].terms[0, TERMS.index("off_road")]) == SETTINGS.rewards.off_road
-
-
-def test_who_leaves_by_an_exit_is_not_off_the_road_however_it_moves():
-    for motion in ("path", "free"):
-        for start, speed in ((265, 8.0), (265, 10.0), (265, 12.0), (265, 13.9), (264.5, 5.0), (264.5, 12.0)):
-            pair = alone(start, speed, steps=101)
-            env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=replace(SETTINGS, motion=motion))
-            env.reset(seed=0)
-            ended = cut = False
-            while not (ended or cut):
-                _, reward, ended, cut, info = env.step(np.zeros(env.action_space.shape, np.float32))
-            assert (ended, cut, info["left_map"], info["off_road"]) == (False, True, True, False)
-            assert reward > 0
 
 
 @pytest.mark.parametrize("motion", ["path", "path_offset", "free"])
@@ -365,42 +277,3 @@ def test_nothing_to_drive_is_said():
         gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(ROAD, log), log)], settings=SETTINGS)
     with pytest.raises(UnusableInput, match=r"environment\.motion is one of"):
         replace(SETTINGS, motion="sideways")
-
-
-class Held:
-    """One acceleration for good."""
-
-    name = "held"
-
-    def __init__(self, acceleration):
-        self.acceleration = acceleration
-
-    def act(self, seen):
-        return Action(self.acceleration + 0 * seen.speed)
-
-
-@pytest.mark.parametrize("acceleration", [-1.0, 0.0, 1.5])
-@pytest.mark.parametrize("neighbours", ["replayed", "reactive"])
-def test_episodes_end_where_whole_runs_of_the_simulator_do(acceleration, neighbours):
-    """Step by step and after the run: two ways to the first collision and its kind."""
-    pairs = [(busy_crossing(), busy_crossing().log), alone(steps=101), *map(behind_a_parked_car, (15.0, 30.0, 60.0, 90.0))]
-    log = stack([drive(LINE, 10, 10, 101), drive(LINE, 27, 2, 101)])
-    log.valid[1, :20], log.position[1, :20] = False, 0.0  # somebody who appears in the target's way
-    pairs += [(scenario(ROAD, log), log)]
-    pairs += [hit_from_behind_at_once(), met_at_once_by_who_appears()]
-    pairs += [(busy_crossing(), noisy_samples(busy_crossing(), 4, seed=3).motion[k]) for k in range(4)]
-    episodes = Environment(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
-    batch = Batch(reaction=SETTINGS.reaction if neighbours == "reactive" else None)
-    outcome = batch.run(Held(acceleration), *zip(*pairs, strict=True))
-    episodes.reset(torch.arange(len(pairs)))
-    action = torch.full((len(pairs), 1), acceleration / (3.0 if acceleration > 0 else 8.0))
-    step, kind = np.full(len(pairs), -1), np.zeros(len(pairs), int)
-    for t in range(1, 101):
-        made = episodes.step(action)
-        first = (made.kind.numpy() > 0) & (step < 0)
-        step[first], kind[first] = t, made.kind.numpy()[first]
-    hit = outcome.step > 0
-    assert hit.sum() > 1
-    assert step[hit].tolist() == outcome.step[hit].tolist()
-    assert kind[hit].tolist() == outcome.kind[hit].tolist()
-    assert (step[~hit & ~outcome.left_map & (outcome.step < 0)] < 0).all()

@@ -63,6 +63,7 @@ def test_the_cases_of_an_attack_are_read_and_a_folder_above_them_names_them(fold
     assert found.scenario_id == "scene-b"
     corner_round = folder / "corner/0"
     write_samples(corner_round / "samples/shard-00000.parquet", [])
+    (corner_round / "driven").mkdir()
     for above, one in ((attack.parent, attack), (corner_round.parent, corner_round), (folder, folder / "generated")):
         with pytest.raises(UnusableInput, match=f"is there\\): give a folder in it, as {one}$"):
             read_traffic(above)
