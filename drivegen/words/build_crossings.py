@@ -95,6 +95,7 @@ def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shar
 def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Thing]) -> tuple[str | None, int]:
     """Which letter the crossing looks like, if any, and how many arms it has."""
     shape, count = whole.value("shape"), count_of(whole, scene.named("arm"))
+    alike = count == 3 and whole.value("angle") not in (None, 90.0)  # an angle between each two of three arms
     number = sum(int(road.value("count") or 1) for road in roads if road.name == "street" and road.which is None)
     if scene.there("main") and scene.there("side") and not (joins or whole.facts or scene.there("crossing", "cross")):
         raise Unfit("say whether the side road crosses the main road or ends at it")
@@ -114,7 +115,7 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
         raise Unfit(f"3 to 8 roads can meet at a crossing, not {count}")
     if whole.value("star") and count < 5:
         raise Unfit("a star has five arms or more")
-    return ("t" if count == 3 and shape is None and not whole.value("evenly") else shape), count
+    return ("t" if count == 3 and shape is None and not (alike or whole.value("evenly")) else shape), count
 
 
 def _check_one(streets: list[Thing]) -> None:
@@ -191,8 +192,10 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing], even
     if shape == "t":
         skew = 90.0 if angle is None else float(angle)
         return [180.0, 0.0, skew if turned == "left" else 360.0 - skew]
+    if angle is not None and count == 3:
+        raise Unfit(f"three roads meet at 120 degrees each, not {angle:g}: say a T or a Y, or at which angle a side road joins")
     if angle is not None:
-        return [0.0, angle, 180.0, 180.0 + angle] if count == 4 else [i * 120.0 for i in range(3)]
+        return [0.0, angle, 180.0, 180.0 + angle]
     return [i * 360.0 / count for i in range(count)]
 
 
