@@ -18,6 +18,8 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
     """The line of a road: as said, else straight, between `usual` lengths [m]."""
     shapes = set(road.values("line"))
     hairpins = road.value("hairpins")
+    if not hairpins and (several := [f.text for f in road.facts if f.value == "hairpin" and f.text.endswith("s")]):
+        raise Unfit(f"say how many {several[0]}")
     shapes |= {"hairpin"} if hairpins else set()
     shapes |= {"s_curve"} if road.has("s_turn", "s_arc") else set()
     length = road.value("length")

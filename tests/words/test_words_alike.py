@@ -51,6 +51,7 @@ from drivegen.words.read import read
         ("a grid of two roads running north-south and three roads running east-west", "a 3 by 2 grid"),
         ("a highway whose leftmost lane ends", "a highway that loses its left lane"),
         ("a Y-junction of three roads at equal angles", "a Y-junction at 120 degrees"),
+        ("a road with bends", "a winding road"),
         ("a junction with three arms at 120 degrees", "three roads meeting at equal angles"),
         ("a junction of three roads that meet at 120 degrees", "three roads meeting at equal angles"),
     ],

@@ -253,6 +253,7 @@ def test_a_lane_that_ends_has_no_ramp_whose_limit_could_be_said():
         ("a T-junction with stop signs on all three arms", "which ones 'three arms'"),
         ("two crossings in a row, the middle one has lights", "no 'middle one'"),
         ("a star-shaped junction with four arms", "five arms or more"),
+        ("a narrow mountain road with hairpins", "how many hairpins"),
         ("three roads that meet at 60 degrees", "120 degrees each, not 60"),
         ("two crossings on a road, the first with a side road on the left", "not 'side road'"),
         ("a motorway with an on-ramp at 400 m in both directions", "'the same in both directions'"),
