@@ -143,19 +143,25 @@ def panels(
     columns: int = 4,
     colours: Sequence[str] = SERIES,
 ) -> bytes:
-    """Named lines (x, y) in a small plot for each group, `columns` side by side; scales differ, lines' colours do not."""
+    """Named lines (x, y) in a small plot for each group, `columns` side by side; scales differ, lines' colours do not.
+
+    The first plot's legend has the lines that are in it, a later one's those that none before it has.
+    """
     rows = -(-len(series) // columns)
+    colour_of = dict(coloured(list(dict.fromkeys(name for group in series.values() for name in group)), colours))
+    named: set[str] = set()
     with Canvas(2.9 * columns, 2.0 * max(rows, 1), max(rows, 1), columns) as (canvas, _):
         for axes in canvas.axes[len(series) :]:
             axes.set_visible(False)
         for n, (axes, (title, group)) in enumerate(zip(canvas.axes[: len(series)], series.items(), strict=True)):
             axes.set_title(title, fontsize=9)
-            for (name, (xs, ys)), colour in coloured(group.items(), colours):
-                axes.plot(xs, ys, color=colour, lw=1.2, label=name)
+            for name, (xs, ys) in group.items():
+                axes.plot(xs, ys, color=colour_of[name], lw=1.2, label="" if name in named else name)
             axes.set_xlabel(across)
             axes.set_ylabel(up if n % columns == 0 else "")
-            if n == 0 and group:
+            if not named.issuperset(group):
                 axes.legend(frameon=False, fontsize=7)
+            named |= set(group)
     return canvas.svg
 
 

@@ -53,3 +53,12 @@ def test_no_line_is_missing_where_there_are_more_than_colours(picture: bytes):
 
 def test_colours_come_again_in_their_order():
     assert [colour for _, colour in coloured(range(5), ("a", "b"))] == ["a", "b", "a", "b", "a"]
+
+
+def test_a_line_has_one_colour_in_all_panels_and_a_name_in_the_first_that_has_it():
+    line = ([0.0, 1.0], [1.0, 2.0])
+    picture = panels({"one": {"seed 8": line}, "two": {"seed 7": line, "seed 8": line}}, "x", "y").decode()
+    drawn = [part for part in picture.split("<path ") if "stroke-width: 1.2" in part]
+    shown = [next(colour for colour in SERIES if colour in part) for part in drawn]
+    assert shown == [SERIES[0], SERIES[0], SERIES[1], SERIES[0], SERIES[1]]  # a line and its legend, two lines and one legend
+    assert [picture.count(f"<!-- seed {seed} -->") for seed in (7, 8)] == [1, 1]
