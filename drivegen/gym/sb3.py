@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from gymnasium import ActionWrapper, ObservationWrapper
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.torch_layers import FlattenExtractor
@@ -22,7 +23,7 @@ def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
 
     Raises UnusableInput for other algorithms, for networks that are more than linear layers with one kind of activation, tanh or
     ReLU, and for policies that a driver could not repeat: those that steer freely, and those that see numbers which
-    `VecNormalize` or a features extractor has changed.
+    `VecNormalize`, a wrapper or a features extractor has changed.
     """
     _refuse_unrepeatable(model)
     policy: Any = model.policy
@@ -49,6 +50,8 @@ def _refuse_unrepeatable(model: BaseAlgorithm) -> None:
         raise UnusableInput("what the policy was trained in is not known: load it with its environment, load(FILE, env=...)")
     if model.get_vec_normalize_env() is not None:
         raise UnusableInput("the policy was trained through VecNormalize, whose numbers no driver sees: train it without")
+    if any(any(environment.env_is_wrapped(kind)) for kind in (ActionWrapper, ObservationWrapper)):
+        raise UnusableInput("the policy was trained through a wrapper that changes what is seen or done: train it without")
     if environment.get_attr("environment")[0].settings.motion == "free":
         raise UnusableInput("the policy steers freely, and drivers keep to paths: train it with motion `path` or `path_offset`")
 

@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
+from gymnasium.wrappers import RescaleAction, TransformObservation
 from stable_baselines3 import DDPG, PPO, SAC
 from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.vec_env import VecNormalize
@@ -107,6 +109,16 @@ def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
     assert not list(tmp_path.iterdir())
     with pytest.raises(MissingTool, match="holds no trained driver"):
         Mine(Weights(str(tmp_path / "none"), sees_rules=False))
+
+
+@pytest.mark.parametrize(
+    "wrapped", [lambda env: RescaleAction(env, np.float32(-2), np.float32(2)), lambda env: TransformObservation(env, abs, None)]
+)
+def test_a_policy_that_was_trained_through_a_wrapper_is_refused(tmp_path, wrapped):
+    scene = busy_crossing(61)
+    env = wrapped(gymnasium.make("DriveGen/Drive-v0", scenarios=[(scene, scene.log)], settings=SETTINGS))
+    with pytest.raises(UnusableInput, match="through a wrapper that changes what is seen or done"):
+        save_policy(PPO("MlpPolicy", env, device="cpu"), tmp_path, "mine")
 
 
 def test_who_is_beyond_a_kilometre_is_as_present_by_loops_as_by_tensors():
