@@ -89,6 +89,7 @@ def _log_impacts(recording: rr.RecordingStream, runs: Mapping[str, Trajectories]
         recording.send_columns(f"world/impacts/{name}", indexes=times(np.array([step])), columns=place)
 
 
-def speeds(motion: Trajectories) -> list[float]:
-    """Those of `motion` (T,) [m/s], to the centimetre, until it ends."""
-    return [round(float(value), 2) for value in motion.speed[: int(motion.last_valid()) + 1]]
+def speeds(motion: Trajectories) -> list[float | None]:
+    """Those of `motion` (T,) [m/s], to the centimetre, until it ends; None where nobody saw it."""
+    steps = range(int(motion.last_valid()) + 1)
+    return [round(float(motion.speed[step]), 2) if motion.valid[step] else None for step in steps]

@@ -1,6 +1,7 @@
 """Drivers: how they drive in logged and in generated traffic."""
 
 from collections.abc import Mapping, Sequence
+from math import nan
 from typing import Any
 
 from drivegen.core.scenario import DT
@@ -68,8 +69,9 @@ def _speeds(recordings: Sequence[Mapping[str, Any]]) -> tuple[Figure, ...]:
     )
 
 
-def _over_time(speed: Sequence[float]) -> tuple[list[float], Sequence[float]]:
-    return [step * DT for step in range(len(speed))], speed
+def _over_time(speed: Sequence[float | None]) -> tuple[list[float], list[float]]:
+    """Times and speeds; NaN, which breaks the line, where nobody saw it."""
+    return [step * DT for step in range(len(speed))], [nan if value is None else value for value in speed]
 
 
 def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
