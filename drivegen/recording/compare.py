@@ -2,7 +2,7 @@
 
 Entities (frames and time lines as in `record.py`):
 
-    world/roads/*, world/signals   shared by all views
+    world/roads/*, world/signals   shared by all views, as are people and cyclists, world/context
     world/methods/NAME/samples     the lines of all samples of a method, red where the checker objects
     world/methods/NAME/goals       the places that the samples of a method follow, where it has goals
     world/methods/NAME/rejected    dashed: what the checker turned down and the method planned again
@@ -27,9 +27,10 @@ from drivegen.recording.blueprint import from_above, playing
 from drivegen.recording.lines import flat, log_rejected, thinned
 from drivegen.recording.record import NARROWEST, WIDEST, recording_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings
-from drivegen.recording.traffic import log_boxes
+from drivegen.recording.traffic import log_boxes, log_context
 
 LOG = "log"
+_SHARED = ("/world/roads/**", "/world/signals", "/world/context")
 _FAINT = 90
 _NEAR_ENOUGH = 0.3
 """Samples' lines are drawn this exactly [m]: a view has hundreds, all faint."""
@@ -50,14 +51,13 @@ def record_comparison(
     logs = {} if scenario.log is None else {LOG: scenario.log}
     moving = {**logs, **{name: samples.motion[0] for name, samples in methods.items()}}
     centre, extent = window(next(iter(moving.values())), NARROWEST, WIDEST)
-    views = [
-        from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving
-    ]
+    views = [from_above(centre, extent, name, [*_SHARED, f"/world/methods/{name}/**"]) for name in moving]
     show = playing(rrb.Grid(*views, rrb.TextDocumentView(origin="/legend", name="Legend")))
     roads, signals = surroundings(scenario, list(moving.values()))
     with recording_of(path, f"{scenario.scenario_id}: methods side by side", show) as recording:
         log_roads(recording, roads)
         log_signals(recording, roads, signals)
+        log_context(recording, scenario.context)
         for name, motion in moving.items():
             _log_traffic(recording, f"world/methods/{name}/traffic", scenario, motion)
         for name, samples in methods.items():
@@ -92,8 +92,9 @@ def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> 
 def _legend(rejected: Mapping[str, Rejected]) -> str:
     explanation = (
         "**Lines** are all samples over one another: orange the target's, blue the others', red what the checker objects to and "
-        "stays. **Violet points**: the goals that samples follow. **Thin pale dashes**: planned, turned down by the checker and "
-        "replaced, in all samples. Only DriveGen and its ablations plan again; of the other methods everything stays."
+        "stays. **Green**: people and cyclists. **Violet points**: the goals that samples follow. **Thin pale dashes**: planned, "
+        "turned down by the checker and replaced, in all samples. Only DriveGen and its ablations plan again; of the other "
+        "methods everything stays."
     )
     counts = [f"* {name}: {rejections.summary}" for name, rejections in rejected.items()]
     return "\n".join([explanation, "", *counts])

@@ -103,20 +103,23 @@ def record_scenario(
             log_rejected(recording, "world/rejected", mine)
         if goals is not None:
             _log_goals(recording, goals)
-        recording.log("legend", rr.TextDocument(_legend(list(motions)), media_type="text/markdown"), static=True)
+        recording.log(
+            "legend", rr.TextDocument(_legend(list(motions), samples is not None), media_type="text/markdown"), static=True
+        )
         if bird_eye is not None:
             recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=75), static=True)
 
 
-def _legend(motions: list[str]) -> str:
+def _legend(motions: list[str], judged: bool) -> str:
     """What is seen, in words; `motions` are the names of the motion that is shown and, if there is one, of the ghosts."""
     shown = f"**Boxes** move as {motions[0]}: orange the target, blue the others, green people and cyclists"
-    if len(motions) == 1:
+    frames = f" **White frames**: {motions[1]}." if len(motions) > 1 else ""
+    if not judged:
         return f"{shown}."
     return (
-        f"{shown}, red from the first fault on that the checker finds. **White frames**: {motions[1]}. **Violet**: goals that "
-        "may be chosen (small; the target's orange) and those that are followed (large). **Thin pale dashes**: planned, turned "
-        "down by the checker and replaced."
+        f"{shown}, red from the first fault on that the checker finds.{frames} **Violet**: goals that may be chosen (small; the "
+        "target's orange) and those that are followed (large). **Thin pale dashes**: planned, turned down by the checker and "
+        "replaced."
     )
 
 

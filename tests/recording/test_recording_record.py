@@ -140,6 +140,15 @@ def test_a_legend_names_what_is_shown(recorded):
     assert "**White frames**: logged" in text
 
 
+def test_the_legend_of_a_scene_without_log_says_what_red_is(tmp_path):
+    scene = busy_crossing()
+    record_scenario(tmp_path / "x.rrd", replace(scene, log=None), noisy_samples(scene))
+    [text] = read(tmp_path / "x.rrd")["/legend"]["TextDocument:text"][0]
+    assert "red from the first fault on" in text
+    assert "Violet" in text
+    assert "White frames" not in text
+
+
 def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
     scene = busy_crossing()
     samples = noisy_samples(scene)
@@ -277,7 +286,8 @@ def test_people_count_for_clearance_and_are_drawn(tmp_path):
     scene = type(base)(**{**vars(base), "context": people})
     np.testing.assert_allclose(clearance(scene, log), 5 - 0.95 - 0.3, atol=1e-3)
     record_scenario(tmp_path / "p.rrd", scene)
-    assert "/world/context" in read(tmp_path / "p.rrd")
+    record_comparison(tmp_path / "methods.rrd", scene, {"one": noisy_samples(scene, 1)}, {}, {})
+    assert all("/world/context" in read(tmp_path / name) for name in ("p.rrd", "methods.rrd"))
 
 
 def test_of_a_large_map_only_what_is_near_the_traffic_is_drawn(tmp_path):
