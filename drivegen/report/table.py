@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import Any
 
 NOT_MEASURED = "not measured"
+
+NOTHING = 1e-9
+"""What is nearer to 0 is written as 0: sums of equal numbers leave as much."""
 
 _SHORT = 12
 """Rows that a reader takes in at once; the page folds longer tables."""
@@ -106,12 +109,19 @@ def estimate(line: Mapping[str, Any] | None, digits: int = 3, names: tuple[str, 
     value, low, high = (line[name] for name in names) if line is not None else (None,) * 3
     if value is None:
         return Cell("")
-    return Cell(f"{value:.{digits}f}", _interval(low, high, f".{digits}f", " to "))
+    return Cell(decimals(value, digits), _interval(low, high, digits, " to "))
 
 
-def _interval(low: float | None, high: float | None, form: str, between: str) -> str:
+def decimals(value: float, digits: int, sign: str = "") -> str:
+    """A number with so many decimals; one that would read as 0 and is none has two significant digits, so it keeps its side."""
+    if NOTHING < abs(value) < 0.5 * 10**-digits:
+        return f"{value:{sign}.2g}"
+    return f"{round(value, digits) + 0.0:{sign}.{digits}f}"  # adding 0 takes the sign of -0.0
+
+
+def _interval(low: float | None, high: float | None, digits: int, between: str) -> str:
     """Both ends, "" where there are none; both are the value where no recording differs from the others (`core.intervals`)."""
-    return "" if low is None or high is None or low == high else f"{low:{form}}{between}{high:{form}}"
+    return "" if low is None or high is None or low == high else f"{decimals(low, digits)}{between}{decimals(high, digits)}"
 
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
@@ -119,5 +129,6 @@ def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     value, low, high = (values.get(f"{key}{end}") for end in ("", ".low", ".high"))
     if value is None or not isfinite(value):
         return Cell(NOT_MEASURED)
-    form = ".2g" if 0 < abs(value) < 10**-digits else f".{digits}f"
-    return Cell(f"{value:{form}}", _interval(low, high, form, " to " if low is not None and low < 0 else "\u2013"))
+    if NOTHING < abs(value) < 10**-digits:
+        digits = 1 - floor(log10(abs(value)))  # two significant ones, the ends as exact
+    return Cell(decimals(value, digits), _interval(low, high, digits, " to " if low is not None and low < 0 else "\u2013"))

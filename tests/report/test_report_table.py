@@ -3,7 +3,7 @@
 import pytest
 
 from drivegen.report.sections._generic import tables
-from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
+from drivegen.report.table import NOT_MEASURED, Cell, Table, decimals, estimate, measured, number, row
 
 
 @pytest.mark.parametrize(
@@ -84,3 +84,23 @@ def test_deeper_nesting_becomes_tables_of_its_own():
     assert [table.name for table in found] == ["data", "data-splits-train", "data-splits-test"]
     assert found[2].columns == ("", "accepted", "truncated")
     assert [cell.text for cell in found[2].rows[0].cells] == ["corpus", "120", "1"]
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "text"),
+    [
+        (0.0123, "", "0.012"),
+        (0.00012, "", "0.00012"),
+        (-0.00012, "+", "-0.00012"),
+        (-0.0007, "", "-0.001"),
+        (-3e-17, "", "0.000"),
+        (-0.0, "+", "+0.000"),
+    ],
+)
+def test_a_number_on_one_side_of_zero_is_not_rounded_to_it(value, sign, text):
+    assert decimals(value, 3, sign) == text
+
+
+def test_an_interval_beside_zero_is_not_shown_as_one_that_holds_it():
+    assert estimate({"value": 0.218, "low": 0.00021, "high": 0.402}) == Cell("0.218", "0.00021 to 0.402")
+    assert measured({"x": 0.25, "x.low": 0.0004, "x.high": 0.5}, "x") == Cell("0.25", "0.0004\u20130.50")

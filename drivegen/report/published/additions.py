@@ -7,7 +7,7 @@ from drivegen.core.methods import BOUND
 from drivegen.metrics.pooled import pooled_mean
 from drivegen.report.published.quality import cell
 from drivegen.report.published.results import ADDED, OURS, DataSet, Pooled, resampling_of
-from drivegen.report.table import Cell, Row, Table, row
+from drivegen.report.table import Cell, Row, Table, decimals, row
 
 _COLUMNS = {
     "min_sade": "min-sADE [m]", "min_sfde": "min-sFDE", "mean_sade": "mean-sADE", "mean_sfde": "mean-sFDE",
@@ -59,5 +59,5 @@ def _cell(interval: Interval, less: Interval | None) -> Cell:
     text = f"{interval.value:.3f}" if abs(interval.value) < 1 else f"{interval.value:.2f}"
     if less is None:
         return Cell(text)
-    ends = f", {less.low:+.3f} to {less.high:+.3f}" if less.low < less.high else ""
-    return Cell(text, f"{less.value:+.3f}{ends}")
+    value, low, high = (decimals(number, 3, "+") for number in (less.value, less.low, less.high))
+    return Cell(text, f"{value}, {low} to {high}" if less.low < less.high else value)

@@ -11,7 +11,7 @@ from drivegen.report.averaged import TOO_FEW
 from drivegen.report.columns import AIMS, SAFETY, badness
 from drivegen.report.published.results import ADDED, OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import DISTANCES, JOINT, REALISM, SCORES, horizon_words, is_likelihood
-from drivegen.report.table import Cell, Row, Table, row
+from drivegen.report.table import Cell, Row, Table, decimals, row
 
 _ERRORS = {"min_sade": "min-sADE [m]", "min_sfde": "min-sFDE [m]", "mean_sade": "mean-sADE [m]", "mean_sfde": "mean-sFDE [m]"}
 
@@ -82,8 +82,8 @@ def _line(
         gain = badness(metric, others[rival].value) - badness(metric, mine.value)
         difference, verdict = Cell("not paired"), _verdict(gain, significant=False)
     else:
-        note = f"{less.low:.3f} to {less.high:.3f}" if np.isfinite(less.low) else ""
-        difference = Cell(f"{less.value:+.3f}", note)
+        note = f"{decimals(less.low, 3)} to {decimals(less.high, 3)}" if np.isfinite(less.low) else ""
+        difference = Cell(decimals(less.value, 3, "+"), note)
         verdict = _verdict(-badness(metric, less.value), significant=less.low > 0 or less.high < 0)
     method, _, additions = rival.partition("/")
     name = data.about[method].title + (f", {ADDED[additions]}" if additions else "")
