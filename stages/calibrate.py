@@ -1,4 +1,4 @@
-"""Stage calibrate: limits of the legal checker, so that at least 99 % of logged train tracks pass each rule.
+"""Stage calibrate: limits of the legal checker, so that a stated share of logged train tracks passes each rule.
 
 argv: scenarios (folder with train and val), limits (JSON), pass rates (JSON). The validation split shows how the limits do
 on logs that they were not set by.
@@ -37,7 +37,7 @@ def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
     calibration = calibrate(train, params.floors, params.share)
     unseen = np.concatenate([np.zeros((0, len(RULES)), np.float32), *held_out])
     write_limits_file(limits, calibration.limits)
-    write_json(rates, calibration.to_json() | {"held_out": pass_rates(unseen, calibration.limits)})
+    write_json(rates, calibration.to_json() | {"share": params.share, "held_out": pass_rates(unseen, calibration.limits)})
 
 
 def _severities(scenarios: Path, params: Params) -> tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]:

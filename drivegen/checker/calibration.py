@@ -1,8 +1,8 @@
-"""Set the checker's limits from logs: people drove them, so at least 99 % of their tracks must pass each rule.
+"""Set the checker's limits from logs: people drove them, so nearly all of their tracks must pass each rule.
 
 Who is parked beside the lanes shows nothing of how people drive and is left out.
 The limit of a rule is the larger of a floor (what is sensible on any road) and the quantile of the logged severities. Where
-several rules set one flag, each may reject only its part of the 1 %, so that the share holds for the flag too.
+several rules set one flag, each may reject only its part of the rest, so that the share holds for the flag too.
 """
 
 from dataclasses import dataclass

@@ -70,7 +70,8 @@ def _distances(figures: Mapping[str, Any]) -> Table:
 def limits(evidence: Evidence) -> Section:
     """The legal checker's limits and how many logged tracks pass them."""
     measured = evidence.results.get("calibrate")
-    lead = "Limits of the legal checker are set so that 99 % of logged tracks pass each of them."
+    share = f"{100 * measured['share']:g} %" if measured else "a stated share"
+    lead = f"Limits of the legal checker are set so that {share} of logged tracks pass each of them."
     missing = "" if measured else not_measured("calibrate")
     return Section("limits", "Legal checker", lead, _by_rule(measured), missing=missing)
 
