@@ -9,6 +9,7 @@ or after it is linked to the first of them.
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from xml.etree.ElementTree import Element, indent, tostring
 
 import numpy as np
@@ -17,7 +18,8 @@ from scenariogeneration import xodr
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from drivegen.core.geometry import Floats, arc_length, interpolate, project
+from drivegen.core.crop import take_lanes
+from drivegen.core.geometry import Floats, Polylines, arc_length, interpolate, project
 from drivegen.core.roadmap import LaneKind, RoadMap
 
 _TYPES = {LaneKind.VEHICLE: xodr.LaneType.driving, LaneKind.BUS: xodr.LaneType.bus, LaneKind.BIKE: xodr.LaneType.biking}
@@ -33,7 +35,7 @@ STEADY = 0.05
 
 def opendrive(roads: RoadMap, name: str) -> bytes:
     """The map as an OpenDRIVE file, without a date; coordinates are the map's."""
-    document = xodr.OpenDrive(name)
+    document, roads = xodr.OpenDrive(name), _in_one_piece(roads)
     junction = _junctions(roads)
     links = _Links(roads, junction)
     for lane in range(len(roads)):
@@ -91,13 +93,43 @@ class _Links:
         return self._after[a] == self._before[b] == 1 and self._junction[a] < 0 and self._junction[b] < 0
 
 
+def _in_one_piece(roads: RoadMap) -> RoadMap:
+    """The map with ways across whole that it cuts in two, as SUMO does where one waits on the way: each road in a junction has
+    to be entered from a road that leads there.
+    """
+    inside, pairs = roads.in_junction, [(int(a), int(b)) for a, b in roads.links]
+    after, before = (Counter(pair[end] for pair in pairs) for end in (0, 1))
+    halves = {a: b for a, b in pairs if inside[a] and inside[b] and after[a] == before[b] == 1 and a != b}
+    whole = {head: [head] for head in sorted(halves.keys() - set(halves.values()))}
+    for parts in whole.values():
+        while parts[-1] in halves:
+            parts.append(halves[parts[-1]])
+    head_of = {parts[-1]: head for head, parts in whole.items()}
+    later = {part for parts in whole.values() for part in parts[1:]}
+    links = [(head_of.get(a, a), b) for a, b in pairs if b not in later]
+
+    def joined(lines: Polylines) -> Polylines:
+        parts = (whole.get(lane, [lane]) for lane in range(len(roads)))
+        return Polylines.of([np.concatenate([lines[head], *(lines[part][1:] for part in rest)]) for head, *rest in parts])
+
+    road_map = replace(
+        roads,
+        links=np.array(links, np.int32).reshape(-1, 2),
+        centreline=joined(roads.centreline),
+        left=joined(roads.left),
+        right=joined(roads.right),
+    )
+    return take_lanes(road_map, np.array([lane for lane in range(len(roads)) if lane not in later]))
+
+
 def _junctions(roads: RoadMap) -> NDArray[np.int64]:
     """(L,) the number of each lane's junction, -1 for none: ways across that begin or end at the same place are one junction's.
 
     A lane is two nodes, its beginning n and its end L + n; only ways across join theirs, so a lane between two junctions keeps
     them apart. OpenDRIVE has no junction without a road that leads in: ways that begin where the map is cut are roads.
     """
-    inside, count = roads.in_junction, len(roads)
+    count = len(roads)
+    inside = roads.in_junction & np.isin(np.arange(count), roads.links[:, 1])
     ways, touches = np.flatnonzero(inside), roads.links[inside[roads.links].any(1)]
     end, beginning = np.concatenate([touches[:, 0] + count, ways + count]), np.concatenate([touches[:, 1], ways])
     near = coo_matrix((np.ones(len(end)), (end, beginning)), (2 * count, 2 * count))

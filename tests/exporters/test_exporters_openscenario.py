@@ -7,11 +7,12 @@ import pytest
 from scenariogeneration import xosc
 
 from drivegen.core import plugins
+from drivegen.core.crop import take_lanes
 from drivegen.core.geometry import Polylines, unit
 from drivegen.core.safe_xml import parse
 from drivegen.core.scenario import DT
 from drivegen.maps.opendrive import Extent, read_back
-from tests.scenes import busy_crossing, drive, joined, road_map, scenario, stack
+from tests.scenes import busy_crossing, crossing, drive, joined, road_map, scenario, stack
 
 
 def tracks(file):
@@ -114,6 +115,25 @@ def test_a_way_across_that_begins_where_the_map_is_cut_is_a_road(tmp_path):
     assert [road.get("junction") for road in root.iter("road")] == ["-1", "-1", "4", "-1"]
     assert [len(junction) for junction in root.iter("junction")] == [1]
     assert root.find("road[@id='0']/link/successor").get("elementId") == "1"
+
+
+def test_a_way_across_that_the_map_cuts_in_two_is_one_road(tmp_path):
+    lines = [np.array([[x, 0.0], [x + 50, 0.0]]) for x in range(0, 250, 50)]
+    root = exported(road_map(lines, [(n, n + 1) for n in range(4)], in_junction=[1, 2, 3]), tmp_path)
+    assert [float(road.get("length")) for road in root.iter("road")] == [50, 150, 50]
+    assert [(c.get("incomingRoad"), c.get("connectingRoad")) for c in root.iter("connection")] == [("0", "1")]
+    assert [e.get("elementId") for e in root.find("road[@id='1']/link")] == ["0", "2"]
+
+
+@pytest.mark.parametrize("without", [[], [0], [0, 1], [4, 5]])
+def test_every_way_across_is_entered_from_a_road(without, tmp_path):
+    roads = take_lanes(crossing(), np.setdiff1d(np.arange(20), without))
+    scene = scenario(roads, stack([drive(roads.centreline[0].astype(np.float64), 20, 12, 20)]))
+    plugins.load("exporters", "openscenario")().write(scene, scene.log, tmp_path, "one")
+    root = parse((tmp_path / "one.xodr").read_bytes(), "xodr", root="OpenDRIVE")
+    inside = [road.get("id") for road in root.iter("road") if road.get("junction") != "-1"]
+    assert [c.get("connectingRoad") for c in root.iter("connection")] == inside
+    assert len(inside) == 12 - 3 * len({0, 1, 2, 3}.intersection(without))
 
 
 def test_a_lane_is_as_wide_as_its_edges_are_apart_however_few_points_these_have(tmp_path):
