@@ -1,4 +1,5 @@
-"""A road map as OpenDRIVE 1.5: every lane is a road of its own with one lane to the right of its reference line.
+"""A road map as OpenDRIVE 1.5: every lane is a road of its own with one lane to the right of its reference line; of a way
+across that the map cuts in two both halves are one road.
 
 The reference line is the lane's middle, a straight piece between every two points; the lane reaches from its left edge to its
 right one, which are straight between places at most `EVERY` apart. Ways across a junction are connecting roads. A road is linked

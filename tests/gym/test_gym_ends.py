@@ -36,18 +36,24 @@ class Held:
         return Action(self.acceleration + 0 * seen.speed)
 
 
+def at_the_end(pair, motion="path"):
+    """What an episode that holds its speed ends by: the number of the step, terminated, truncated, the reward and the infos."""
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=replace(SETTINGS, motion=motion))
+    env.reset(seed=0)
+    ended, cut, step = False, False, 0
+    while not (ended or cut):
+        _, reward, ended, cut, info = env.step(np.zeros(env.action_space.shape, np.float32))
+        step += 1
+    return step, ended, cut, reward, info
+
+
 def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
     for pair, terminated, kind, steps in (
         (behind_a_parked_car(), True, CollisionKind.FRONT, 26),
         (alone(steps=51), False, CollisionKind.NONE, 50),
         (alone(start=265, steps=51), False, CollisionKind.NONE, None),
     ):
-        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
-        env.reset(seed=0)
-        for step in range(1, 101):  # noqa: B007 the last one counts
-            _, _, ended, cut, info = env.step(np.zeros(1, np.float32))
-            if ended or cut:
-                break
+        step, ended, cut, _, info = at_the_end(pair)
         assert (ended, cut) == (terminated, not terminated)
         assert info["collision"] == kind
         assert steps is None or step == pytest.approx(steps, abs=1)
@@ -76,12 +82,7 @@ def test_a_crash_in_the_last_step_ends_an_episode_and_one_beyond_the_exit_is_non
         ((scene, log.until(hit + 1)), (hit, True, False, False)),
         ((scenario(ROAD, beyond), beyond), (33, False, True, True)),
     ):
-        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
-        env.reset(seed=0)
-        for step in range(1, 101):  # noqa: B007 the last one counts
-            _, _, ended, truncated, info = env.step(np.zeros(1, np.float32))
-            if ended or truncated:
-                break
+        step, ended, truncated, _, info = at_the_end(pair)
         assert (step, ended, truncated, info["left_map"]) == expected
         outcome = Batch().run(Held(0.0), *zip(pair, strict=True))
         assert (outcome.collided[0], outcome.left_map[0]) == (ended, truncated)
@@ -91,11 +92,7 @@ def test_who_leaves_by_an_exit_is_not_off_the_road_however_it_moves():
     for motion in ("path", "free"):
         for start, speed in ((265, 8.0), (265, 10.0), (265, 12.0), (265, 13.9), (264.5, 5.0), (264.5, 12.0)):
             pair = alone(start, speed, steps=101)
-            env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=replace(SETTINGS, motion=motion))
-            env.reset(seed=0)
-            ended = cut = False
-            while not (ended or cut):
-                _, reward, ended, cut, info = env.step(np.zeros(env.action_space.shape, np.float32))
+            _, ended, cut, reward, info = at_the_end(pair, motion)
             assert (ended, cut, info["left_map"], info["off_road"]) == (False, True, True, False)
             assert reward > 0
 
