@@ -1,6 +1,7 @@
 """From what is said of a road to its line: straights, bends, lengths."""
 
 import math
+import re
 
 from drivegen.words.choices import Choices
 from drivegen.words.things import Road, Thing, Unfit, only
@@ -18,8 +19,13 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
     """The line of a road: as said, else straight, between `usual` lengths [m]."""
     shapes = set(road.values("line"))
     hairpins = road.value("hairpins")
-    if not hairpins and (several := [f.text for f in road.facts if f.value == "hairpin" and f.text.endswith("s")]):
-        raise Unfit(f"say how many {several[0]}")
+    several = {fact.value: fact.text for fact in road.facts if fact.name == "line" and re.search(r"\ws$", fact.text)}
+    if "hairpin" in several and not hairpins:
+        raise Unfit(f"say how many {several['hairpin']}")
+    if "s_curve" in several:
+        raise Unfit(f"say how many bends {several['s_curve']!r} have together: 'an S-curve, 4 bends'")
+    if "winding" in several and road.has("turn_to", "towards"):
+        raise Unfit(f"say of each of {several['winding']!r} how far and to which side it turns")
     shapes |= {"hairpin"} if hairpins else set()
     shapes |= {"s_curve"} if road.has("s_turn", "s_arc") else set()
     length = road.value("length")

@@ -23,6 +23,7 @@ _COUNTED = stems("way lane arm leg armed legged road street")
 """Words behind a number that is part of an adjective: "two one-way streets"."""
 
 _BEFORE_NUMBERS = ("queue", "place", "size", "skew", "undivided", "arterial")
+_BENDS = stems("bend curve corner")
 _ORDINALS = stems(" ".join((*ORDINALS, "last", "final")))
 _STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
 
@@ -97,7 +98,7 @@ class Grammar:
         firsts = [tokens[i].key, *(f"{{{name}}}" for name, slot in SLOTS.items() if slot.read(tokens, i) is not None)]
         for phrase, pattern in chain.from_iterable(self._by_first.get(first, ()) for first in firsts):
             for values, end in match(pattern, tokens, i):
-                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _names(tokens, i)):
+                if end > i and _fits(phrase, tokens, end) and not _names(phrase, tokens, i):
                     matches[phrase, values, end] = None
         for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
@@ -106,10 +107,12 @@ class Grammar:
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), cost
 
 
-def _names(tokens: Sequence[Token], i: int) -> bool:
-    """Whether a noun is meant: "every crossing", "crossings" name a thing, they do not say that something crosses."""
+def _names(phrase: Phrase, tokens: Sequence[Token], i: int) -> bool:
+    """Whether a thing is named where `phrase` would have somebody do something: "every crossing", "with bends to the left"."""
     before = tokens[i - 1].text if i else ""
-    return tokens[i].raw.endswith("ings") or before in words("determiners") or before in _ORDINALS
+    if phrase.name in ("turn_to", "turn_angle"):
+        return tokens[i].plural and tokens[i].text in _BENDS and before in words("qualities")
+    return phrase.kind == "link" and (tokens[i].raw.endswith("ings") or before in words("determiners") or before in _ORDINALS)
 
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
@@ -121,6 +124,8 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     if phrase.name == "member":  # a number alone is some of them only where they do something: "two turning left"
         return following in words("doing") if phrase.slots and last.value is not None else following not in words("moved")
+    if phrase.name == "line" and phrase.value in ("curve", "winding") and last.text in _BENDS:
+        return (phrase.value == "winding") == _several(tokens, end - 1)
     if phrase.name == "bends" and last.text == "turn" and end > 1 and (count := tokens[end - 2].value) is not None:
         return last.plural == (count != 1)  # "two turns"; in "two turn left, one turns right" it is a verb
     road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and _ends_road(tokens[: end - 1]) else None
@@ -133,6 +138,13 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     before_noun = following not in _STOPS and (not counted or counts or phrase.name in _BEFORE_NUMBERS)
     noun = last.plural and phrase.name != "place"  # in "the ego follows two cars" it is a verb
     return not noun and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
+
+
+def _several(tokens: Sequence[Token], i: int) -> bool:
+    """Whether a plural is meant, "tight bends, 60 km/h", and not what a road does, "a road that bends to the left"."""
+    before, following = tokens[i - 1].text if i else "", tokens[i + 1].text if i + 1 < len(tokens) else ""
+    does = before in words("subjects") or before.endswith("ly") or following.endswith("ly")
+    return tokens[i].plural and not does
 
 
 def _ends_road(tokens: Sequence[Token]) -> bool:

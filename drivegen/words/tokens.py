@@ -58,7 +58,6 @@ _SPELLING = (
     (r"\bhalf[- ](?:of )?(?:an? )?(?=mile|km|kilomet)", "0.5 "),
     (r"\b(road|street|arm|leg|approach|direction)(s?) only\b(?= *(?:[,.;]|$))", r"\1\2"),
     (r"\b(?:passing|passes|running|runs|going|goes) through (?=\d|two|three|four|five|six|seven|eight)", "with "),
-    (r"\bwith (?:bends|curves)\b(?= *(?:$|[,.;]))", "winding"),
     (r"\bout (?=in\b|on\b)", ""),
     (r"\b(?:an? )?quarter[- ](?:of )?(?:an? )?(?=mile|km|kilomet)", "0.25 "),
     (r"\ban? (?=hundred|thousand)", ""),

@@ -193,6 +193,9 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a motorway with an on-ramp and an off-ramp, each with a 60 km/h limit", "of which"),
         ("rural highway, 100 km/h, T-junction with a left turn lane on the main road", "'highway' is the main road"),
         ("a road with 50 km/h in one direction only", "clear what is 'in one direction'"),
+        ("a road with bends to the left", "say of each of 'bends'"),
+        ("a road with sharp curves to the right", "say of each of 'curves'"),
+        ("a road with S-curves", "say how many bends 's curves' have together"),
     ],
 )
 def test_what_may_be_said_of_another_road_or_direction_is_declined(text, word):
