@@ -17,26 +17,9 @@ BENT = (
 
 def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:
     """The line of a road: as said, else straight, between `usual` lengths [m]."""
-    shapes = set(road.values("line"))
-    hairpins = road.value("hairpins")
-    several = {fact.value: fact.text for fact in road.facts if fact.name == "line" and re.search(r"\ws$", fact.text)}
-    if "hairpin" in several and not hairpins:
-        raise Unfit(f"say how many {several['hairpin']}")
-    if "s_curve" in several:
-        raise Unfit(f"say how many bends {several['s_curve']!r} have together: 'an S-curve, 4 bends'")
-    if "winding" in several and road.has("turn_to", "towards"):
-        raise Unfit(f"say of each of {several['winding']!r} how far and to which side it turns")
-    shapes |= {"hairpin"} if hairpins else set()
-    shapes |= {"s_curve"} if road.has("s_turn", "s_arc") else set()
-    length = road.value("length")
-    bent = road.has("turn", "turn_side", "turn_angle", "arc", "bends", "turn_to")
-    if bool(road.value("straight")) and (shapes or bent):
-        raise Unfit("a road is said to be straight and to bend")
-    if not shapes and not bent:
+    shape, hairpins, length = _shape(road), road.value("hairpins"), road.value("length")
+    if not shape:
         return {"shape": "straight", "length": length or choices.length("length", *usual, step=50)}
-    for vague, meant in (("curve", "curve"), ("winding", "s_curve")):
-        shapes = (shapes - {vague} or {meant}) if vague in shapes else shapes
-    shape = only(shapes, "I can draw a curve, an S-curve or hairpins on one road, not several of these") or "curve"
     if arcs := road.values("arc"):
         bends = tuple((angle if side == "left" else -angle, size) for angle, side, size in arcs)
         line: Road = {"shape": shape, "arcs": bends}
@@ -59,6 +42,28 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
     line = {"shape": shape, "angle": -angle if side == "right" else angle, "radius": size}
     line |= {"bends": bends} if bends and bends != (2 if shape == "s_curve" else 1) else {}
     return line | {"length": _length(road, length, arc, share * (number + 1) / 2, choices)}
+
+
+def _shape(road: Thing) -> str:
+    """A curve, an S-curve or hairpins; nothing for a straight road. What does not say how often a road bends is declined."""
+    shapes = set(road.values("line"))
+    several = {fact.value: fact.text for fact in road.facts if fact.name == "line" and re.search(r"\ws$", fact.text)}
+    if "hairpin" in several and not road.value("hairpins"):
+        raise Unfit(f"say how many {several['hairpin']}")
+    if "s_curve" in several:
+        raise Unfit(f"say how many bends {several['s_curve']!r} have together: 'an S-curve, 4 bends'")
+    if "winding" in several and road.has("turn_to", "towards"):
+        raise Unfit(f"say of each of {several['winding']!r} how far and to which side it turns")
+    shapes |= {"hairpin"} if road.value("hairpins") else set()
+    shapes |= {"s_curve"} if road.has("s_turn", "s_arc") else set()
+    bent = road.has("turn", "turn_side", "turn_angle", "arc", "bends", "turn_to")
+    if bool(road.value("straight")) and (shapes or bent):
+        raise Unfit("a road is said to be straight and to bend")
+    if not shapes and not bent:
+        return ""
+    for vague, meant in (("curve", "curve"), ("winding", "s_curve")):
+        shapes = (shapes - {vague} or {meant}) if vague in shapes else shapes
+    return only(shapes, "I can draw a curve, an S-curve or hairpins on one road, not several of these") or "curve"
 
 
 def _length(road: Thing, length: float | None, arc: float, share: float, choices: Choices) -> float:
