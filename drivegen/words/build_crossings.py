@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from drivegen.layouts.crossings import SIGNS, STRAIGHT, turned
@@ -43,6 +44,10 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     shape, count = _shape_and_count(scene, whole, joins, roads)
     even = any([whole.value("evenly"), *(road.value("evenly") for road in roads)])
     angles = _angles(count, shape, whole, [*side, *streets], even)
+    for stem in [road for road in side if shape == "y" and "stem" in road.text]:
+        side.remove(stem)
+        roads.remove(stem)
+        arms.append(replace(stem, name="arm", which=1))
     first, second = _two_roads(count, shape, main, side, streets, joins)
     if not (first or second):
         _check_one(streets)
@@ -146,7 +151,7 @@ def _two_roads(
     """The things that are the first road (of a T: the one that goes through) and the second one."""
     if len(main) > 1 or len(side) > 1 or any(road.several for road in main):
         raise Unfit("there is one main road and one side road at a crossing")
-    if count > 4 and any(road.has("speed", *_LANES) for road in (*main, *side)):
+    if (count > 4 or shape == "y") and any(road.has("speed", *_LANES) for road in (*main, *side)):
         raise Unfit(f"say by their numbers which of the {count} arms are of the main road")
     single = [road for road in streets if road.which is None]
     if main or side:

@@ -138,6 +138,9 @@ class Walk:
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
         name = self._kind(item, phrase)
+        one, is_it = self.subject, self.mark in ("", "is")
+        if one is not None and isinstance(one.which, int) and is_it and {one.name, name} <= {"crossing", "roundabout"}:
+            raise Unfit(f"say junctions one after the other, not that {one.text!r} is {item.raw!r}")
         self.det = "another" if phrase.name == "so_many" else self.det
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
@@ -234,6 +237,8 @@ class Walk:
             raise Unfit(f"it is not clear what is {fact.text!r}")
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
+        elif fact.name == "length" and phrase.place != "pre" and self.comma and self._turn_lanes_before(i):
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of the turn lanes")
         nothing = self.segment and self.segment[-1][0].name.startswith(("no_", "straight"))  # "no ramps for 2 km"
         placed = bool(self.segment) and self.segment[-1][0].name == "position"
         second = placed and self.mark == "and" and "long" not in fact.text  # "an on-ramp at 500 m and 1500 m"
@@ -309,6 +314,11 @@ class Walk:
         unclear = (led and fact.name in _SAID_OF_EACH) or (way and fact.name in ("straight", "turn_to"))
         if unclear and self.subject and self.subject.name in MOVING and (self.comma or self.mark == "and"):
             raise Unfit(f"it is not clear of whom {fact.text!r} is said")
+
+    def _turn_lanes_before(self, i: int) -> bool:
+        """Whether what was said last, but for where it is, are turn lanes: "with left-turn lanes on all arms, 50 m long"."""
+        said = next((item.phrase for item in reversed(self.items[:i]) if item.phrase.kind == "fact" or item.text == "."), WORD)
+        return said.name in _TURN_LANES
 
     def _last_noun(self) -> str:
         """The last word of what was named last."""
