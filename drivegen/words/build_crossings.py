@@ -43,6 +43,9 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
     even = any([whole.value("evenly"), *(road.value("evenly") for road in roads)])
+    for arm in arms if shape == "y" else ():
+        whole.facts += [fact for fact in arm.facts if fact.name == "angle" and arm.which in (None, "all")]
+        arm.facts = [fact for fact in arm.facts if fact not in whole.facts]
     angles = _angles(count, shape, whole, [*side, *streets], even)
     for stem in [road for road in side if shape == "y" and "stem" in road.text]:
         side.remove(stem)
@@ -137,7 +140,7 @@ def count_of(whole: Thing, arms: list[Thing]) -> int | None:
     counts |= {int(value) for arm in arms if arm.which in (None, "all") for value in arm.values("count")}
     facts = [fact for fact in whole.facts if fact.name in ("arms", "angle")]  # "where two roads", "cross at 60 degrees"
     said = " ".join(fact.text for fact in facts)
-    crossed = any(word in said for word in ("cross", "intersect", "of ", "between "))
+    crossed = whole.has("skew", "angle") or any(word in said for word in ("cross", "intersect", "of ", "between "))
     counts = {4 if count == 2 and crossed else count for count in counts}
     count = only(counts, f"{' and '.join(map(str, sorted(counts)))} arms contradict one another")
     if any(value != 1 for value in whole.values("count")):

@@ -145,7 +145,7 @@ def _builder(scene: Scene) -> Builder:
     if builder := next((builder for name, builder in named.items() if scene.there(name)), None):
         return builder
     facts = {fact.name for fact in scene.everything.facts}
-    if any(fact.name == "grid_size" and "parallel" in fact.text for fact in scene.everything.facts):
+    if any(fact.name == "grid_size" and {"parallel", "rows"} & set(fact.text.split()) for fact in scene.everything.facts):
         return grid
     if (
         scene.there("fork", "left_branch", "right_branch")
