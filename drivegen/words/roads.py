@@ -30,8 +30,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     if nothing := next((fact for fact in scene.everything.facts if fact.name in _SIZES and fact.value == 0), None):
         raise Unfit(f"{nothing.text!r} is nothing that could be drawn")
     left_hand = only(scene.everything.values("left_hand"), "traffic is said to keep left and right")
-    if scene.everything.has(*_BENT) and any(f.name == "gap" and "east" in f.text.split() for f in scene.everything.facts):
-        raise Unfit("where a road bends, say how far along it something lies, not in which direction")
+    _directions(scene, bool(left_hand))
     _none_by_number(scene)
     _lights(scene)
     _single_road(scene)
@@ -63,6 +62,22 @@ def _said(fields: Any) -> Any:
     if isinstance(fields, dict):
         return {name: _said(value) for name, value in fields.items() if value is not None}
     return [_said(part) for part in fields] if isinstance(fields, list) else fields
+
+
+def _directions(scene: Scene, left_hand: bool) -> None:
+    """Raises Unfit where a road does not lead as it is said to: what goes through is drawn from west to east."""
+    of_map = [fact for fact in scene.everything.facts if fact.name == "side_of_map"]
+    east = [fact for fact in scene.everything.facts if fact.name == "gap" and "east" in fact.text.split()]
+    if (of_map or east) and scene.everything.has(*_BENT):
+        raise Unfit("where a road bends, say how far along it something lies, not in which direction")
+    if of_map and left_hand:
+        raise Unfit(f"say on which side of the main road it lies, not {of_map[0].text!r}")
+    for fact in of_map:
+        fact.name = "side"
+    for thing in scene.things:
+        drawn = "north_south" if thing.name in ("side", "cross") else "east_west"
+        if (runs := thing.value("runs")) not in (None, drawn):
+            raise Unfit(f"{thing.text!r} is drawn from {drawn.replace('_', ' to ')}, not from {runs.replace('_', ' to ')}")
 
 
 def _none_by_number(scene: Scene) -> None:
