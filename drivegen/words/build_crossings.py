@@ -43,14 +43,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
     even = any([whole.value("evenly"), *(road.value("evenly") for road in roads)])
-    for arm in arms if shape == "y" else ():
-        whole.facts += [fact for fact in arm.facts if fact.name == "angle" and arm.which in (None, "all")]
-        arm.facts = [fact for fact in arm.facts if fact not in whole.facts]
+    _of_y(shape, whole, arms, side, roads)
     angles = _angles(count, shape, whole, [*side, *streets], even)
-    for stem in [road for road in side if shape == "y" and "stem" in road.text]:
-        side.remove(stem)
-        roads.remove(stem)
-        arms.append(replace(stem, name="arm", which=1))
     first, second = _two_roads(count, shape, main, side, streets, joins)
     if not (first or second):
         _check_one(streets)
@@ -124,6 +118,18 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
     if whole.value("star") and count < 5:
         raise Unfit("a star has five arms or more")
     return ("t" if count == 3 and shape is None and not (alike or whole.value("evenly")) else shape), count
+
+
+def _of_y(shape: str | None, whole: Thing, arms: list[Thing], side: list[Thing], roads: list[Thing]) -> None:
+    """Of a Y an angle of the branches is that between them, and the stem is the first arm."""
+    for arm in arms if shape == "y" else ():
+        angles = [fact for fact in arm.facts if fact.name == "angle" and arm.which in (None, "all")]
+        whole.facts += angles
+        arm.facts = [fact for fact in arm.facts if fact not in angles]
+    for stem in [road for road in side if shape == "y" and "stem" in road.text]:
+        side.remove(stem)
+        roads.remove(stem)
+        arms.append(replace(stem, name="arm", which=1))
 
 
 def _check_one(streets: list[Thing]) -> None:

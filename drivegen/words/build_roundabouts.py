@@ -49,8 +49,9 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
     own_of_arms(built, arms)
     usual = min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
     ring_speed = ring_thing.value("speed") or whole.value("ring_speed")
-    if ring_speed is None and usual < speed and any(f.name == "speed" and _EVERYWHERE & set(f.text.split()) for f in whole.facts):
-        raise Undrawable(f"say the limit of the ring, which is {usual / KMH:g} km/h where nothing is said, or a limit on all roads")
+    everywhere = any(fact.name == "speed" and _EVERYWHERE & set(fact.text.split()) for fact in whole.facts)
+    if ring_speed is None and usual < speed and everywhere:
+        raise Undrawable(f"say the limit of the ring, {usual / KMH:g} km/h where nothing is said, or a limit on all roads")
     return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed or usual}
 
 

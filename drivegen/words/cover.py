@@ -125,7 +125,7 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     if phrase.name == "member":  # a number alone is some of them only where they do something: "two turning left"
         return following in words("doing") if phrase.slots and last.value is not None else following not in words("moved")
     if phrase.name == "line" and phrase.value in ("curve", "winding") and last.text in _BENDS:
-        return (phrase.value == "winding") == _several(tokens, end - 1)
+        return bool(phrase.value == "winding") == _several(tokens, end - 1)
     if phrase.name == "bends" and last.text == "turn" and end > 1 and (count := tokens[end - 2].value) is not None:
         return last.plural == (count != 1)  # "two turns"; in "two turn left, one turns right" it is a verb
     road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and _ends_road(tokens[: end - 1]) else None

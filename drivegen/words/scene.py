@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from drivegen.core.relation import Relation
+from drivegen.words.around import OTHERS, TURN_LANES, before_noun, begins, seen_from_target, things_follow, turn_lanes_before
 from drivegen.words.cover import Item
 from drivegen.words.table import WORD, Phrase, traffic_names, words
 from drivegen.words.things import Fact, Scene, Thing, Unfit
@@ -28,20 +29,16 @@ _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _LISTED = (",", "and", ".", "")
 """Marks between vehicles that are named one after another; behind others they may be some of those before."""
 
-_TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
-"""A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
-
 _RULED_OUT = ("no ", "without ")
 _TOGETHER = ("", "grid", "street")
 """What "all" and "each" behind them may be said of: their streets and crossings."""
 
 _DIRECTIONS = {
-    "one_way": (*_TURN_LANES, "control", "signals", "turn_bans", "speed"),
+    "one_way": (*TURN_LANES, "control", "signals", "turn_bans", "speed"),
     "two_way": ("change", "change_to", "loses", "loses_side", "gains", "gains_side"),
 }
 """What "in one direction" or "in both" may be said of rather than of its road: "with lights in one direction only"."""
 
-_OTHERS = ("car", "truck", "bus", "vehicle", "member")
 _ROADS = ("street", "main", "east_west", "north_south")
 """Of these alone nobody can be said to stop or to give way: the side road does."""
 _SINGLE = (*_ROADS, "side", "cross", "highway", "on_ramp", "off_ramp", "lane_drop", "lane_gain")
@@ -49,7 +46,7 @@ _GIVES_WAY = ("stop", "stop_sign", "yield")
 _SIDE_ROADS = frozenset({"side", "minor", "priority", "right"})
 """Words of facts that themselves say who gives way: "the main road has priority"."""
 
-MOVING = (*_OTHERS, "target")
+MOVING = (*OTHERS, "target")
 """Things of which nothing that roads have is said."""
 
 
@@ -138,9 +135,6 @@ class Walk:
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
         name = self._kind(item, phrase)
-        one, is_it = self.subject, self.mark in ("", "is")
-        if one is not None and isinstance(one.which, int) and is_it and {one.name, name} <= {"crossing", "roundabout"}:
-            raise Unfit(f"say junctions one after the other, not that {one.text!r} is {item.raw!r}")
         self.det = "another" if phrase.name == "so_many" else self.det
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
@@ -155,10 +149,10 @@ class Walk:
         if self.subject is not None:
             self._apart(self.subject, thing, item.raw)
         before = (other.phrase for other in reversed(self.items) if other.start < item.start and other.phrase.kind == "fact")
-        if phrase.slots == ("lanes_each",) and "lane" not in item.raw and next(before, phrase).name in _TURN_LANES:
+        if phrase.slots == ("lanes_each",) and "lane" not in item.raw and next(before, phrase).name in TURN_LANES:
             raise Unfit(f"it is not clear of what there are so many: {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
-        towards = [fact for fact, _ in self.segment if fact.name in ("turn_bans", *_TURN_LANES)]
+        towards = [fact for fact, _ in self.segment if fact.name in ("turn_bans", *TURN_LANES)]
         if self.mark in ("onto", "to") and towards:
             raise Unfit(f"say from which road {towards[0].text!r} is, not into which")
         if item.text == "merge" and self.mark == "and" and self.subject is not None and self.subject.name == "highway":
@@ -181,12 +175,15 @@ class Walk:
         """Raises Unfit for a side road of one of several crossings, and for vehicles at what only roads have, or among others."""
         if thing.name == "side" and isinstance(subject.which, int) and subject.name in ("crossing", "roundabout"):
             raise Unfit(f"say 'a side arm on the left' of {subject.text!r}, not {text!r}")
+        named = isinstance(subject.which, int) and self.mark in ("", "is") and thing.which is None
+        if named and {subject.name, thing.name} <= {"crossing", "roundabout"}:
+            raise Unfit(f"say junctions one after the other, not that {subject.text!r} is {text!r}")
         parts = thing.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and subject.name in traffic_names():
             raise Unfit(f"where {subject.text!r} is can be said as seen from the target only, not by {text!r}")
-        if subject.name == "vehicle" and thing.name in _OTHERS[:3] and self.mark not in _LISTED:
+        if subject.name == "vehicle" and thing.name in OTHERS[:3] and self.mark not in _LISTED:
             raise Unfit(f"it is not clear whether {text!r} is among {subject.text!r}")
-        if self.mark in ("including", "include") and subject.name in _OTHERS and thing.name in MOVING:
+        if self.mark in ("including", "include") and subject.name in OTHERS and thing.name in MOVING:
             raise Unfit(f"it is not clear how many are there beside {text!r}")
 
     def _kind(self, item: Item, phrase: Phrase) -> str:
@@ -235,9 +232,9 @@ class Walk:
         apart = said.kind == "thing" and said.name not in (*fact.scope, "traffic")
         if "direction" in fact.text and fact.name in _DIRECTIONS and (apart or said.name in _DIRECTIONS[fact.name]):
             raise Unfit(f"it is not clear what is {fact.text!r}")
-        if fact.name == "length" and before.name in _TURN_LANES:
+        if fact.name == "length" and before.name in TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
-        elif fact.name == "length" and phrase.place != "pre" and self.comma and self._turn_lanes_before(i):
+        elif fact.name == "length" and phrase.place != "pre" and self.comma and turn_lanes_before(self.items, i):
             raise Unfit(f"it is not clear whether {fact.text!r} is said of the turn lanes")
         nothing = self.segment and self.segment[-1][0].name.startswith(("no_", "straight"))  # "no ramps for 2 km"
         placed = bool(self.segment) and self.segment[-1][0].name == "position"
@@ -248,7 +245,7 @@ class Walk:
             raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
         led = bool(self.det) or self.mark in words("prepositions")
         led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or bool(self.pending)))
-        if phrase.place == "pre" or (led and self._before_noun(i, fact)):
+        if phrase.place == "pre" or (led and before_noun(self.items, i, fact)):
             self.pending.append(fact)
             self.comma = False
             return
@@ -256,10 +253,10 @@ class Walk:
         self._check_owner(i, fact)
         self._check_doer(i, fact)
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
-            self._seen_from_target(i)
+            seen_from_target(self.items, i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
             raise Unfit(f"what is said {fact.text!r} {self.items[i + 1].raw!r} cannot be drawn apart")
-        if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
+        if fact.name in _PLACES and begins(self.items, i) and things_follow(self.items, i):
             self.fronted.append(fact)
             return
         holder = self._holder(i, fact)
@@ -299,7 +296,7 @@ class Walk:
             raise Unfit("say the number of crossings and how far apart they are, or the number of blocks alone")
         side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"
         vehicles = fact.name == "branch_lanes" and "lane" not in fact.text and self.scene.there(*MOVING)  # "one left, one right"
-        if side_roads or vehicles or (self.mark == "including" and fact.name in _TURN_LANES):
+        if side_roads or vehicles or (self.mark == "including" and fact.name in TURN_LANES):
             raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")
         if self.det in ("my", "our") and fact.name in ("speed", "pace") and not fact.is_limit:
             raise Unfit("a speed of the target is said so: the target is driving at 50 km/h")
@@ -315,11 +312,6 @@ class Walk:
         if unclear and self.subject and self.subject.name in MOVING and (self.comma or self.mark == "and"):
             raise Unfit(f"it is not clear of whom {fact.text!r} is said")
 
-    def _turn_lanes_before(self, i: int) -> bool:
-        """Whether what was said last, but for where it is, are turn lanes: "with left-turn lanes on all arms, 50 m long"."""
-        said = next((item.phrase for item in reversed(self.items[:i]) if item.phrase.kind == "fact" or item.text == "."), WORD)
-        return said.name in _TURN_LANES
-
     def _last_noun(self) -> str:
         """The last word of what was named last."""
         return stem(self.scene.things[-1].text.split()[-1]) if self.scene.things else ""
@@ -327,36 +319,6 @@ class Walk:
     def _all_arms(self) -> bool:
         """Whether "on all four arms" says how many there are, and nothing of who gives way on them."""
         return self.det == "all" and not any(fact.value in _GIVES_WAY for fact, _ in self.segment)
-
-    def _seen_from_target(self, i: int) -> None:
-        """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
-        passed = words("determiners") | words("prepositions") | {"of"}
-        for item in self.items[i + 1 :]:
-            if item.text in ("it", "them") or item.phrase.name in _OTHERS:
-                raise Unfit(f"where vehicles are and whom they overtake is said of the target only, not of {item.raw!r}")
-            if item.phrase.kind == "thing" or (item.phrase is WORD and item.text not in passed):
-                return
-
-    def _before_noun(self, i: int, fact: Fact) -> bool:
-        """Whether a noun that can hold the fact, or further words before it, follow at once."""
-        for item in self.items[i + 1 :]:
-            if item.text in words("epithets") or item.phrase.kind == "silent":
-                continue
-            if item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
-                return False
-            if item.phrase.kind == "thing":
-                return item.phrase.name in fact.scope or "*" in fact.scope
-        return False
-
-    def _begins(self, i: int) -> bool:
-        """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
-        before = self.items[i - 1] if i else None
-        if before is None or before.text == "." or before.phrase.kind == "link" or self.items[i].text == "before":
-            return True
-        between = words("determiners") | ({","} if self.items[i].phrase.name == "gap" else set())
-        following = next((item.phrase for item in self.items[i + 1 : i + 4] if item.text not in between), WORD)
-        clause = before.phrase is WORD and before.text in (",", "and")
-        return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         subject, whole = self.subject or Thing(""), "" in fact.scope
@@ -374,7 +336,7 @@ class Walk:
         holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and t.can_hold(fact)]
         of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
         apart = self.comma or (self.mark == "and" and fact.is_limit and not self.described)
-        if apart and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
+        if apart and not self.sticky and whole and holds and not of_one and not things_follow(self.items, i):
             fact.loose = holds[0].name
             return self.scene.whole
         if holds and (self.subject in holds or not whole):
@@ -393,14 +355,6 @@ class Walk:
         alone = ramp.text.startswith(("motorway", "highway", "freeway")) and not self.scene.there("highway", "street", "main")
         if new and (self.sticky or added or alone):
             raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
-
-    def _things_follow(self, i: int) -> bool:
-        for item in self.items[i + 1 :]:
-            if item.text == ".":
-                return False
-            if item.phrase.kind == "thing" and item.phrase.name not in traffic_names():
-                return True
-        return False
 
 
 def scene_of(items: Iterable[Item]) -> Scene:

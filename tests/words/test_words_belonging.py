@@ -196,6 +196,15 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a road with bends to the left", "say of each of 'bends'"),
         ("a road with sharp curves to the right", "say of each of 'curves'"),
         ("a road with S-curves", "say how many bends 's curves' have together"),
+        ("a Y-junction, the main road two lanes each way and the side road one", "which of the 3 arms are of the main road"),
+        ("three intersections 300 m apart. The last one is a roundabout", "not that 'last one' is 'roundabout'"),
+        ("four crossings, the last one a T-junction", "not that 'last one' is 't junction'"),
+        ("a T-junction with a left-turn lane on the main road, 50 m long", "whether '50 m long' is said of the turn lanes"),
+        ("a crossroads with left-turn lanes on all arms, each 50 m long", "said of the turn lanes"),
+        ("a rural road with barriers", "barriers ('barriers') cannot"),
+        ("a roundabout with a limit of 50 km/h everywhere", "the limit of the ring, 30 km/h where nothing is said"),
+        ("a crossroads, the main road runs north-south", "drawn from east to west"),
+        ("traffic keeps left: a T-junction, the side road from the south", "which side of the main road"),
     ],
 )
 def test_what_may_be_said_of_another_road_or_direction_is_declined(text, word):
