@@ -121,7 +121,7 @@ def _absorb(things: list[Thing]) -> None:
 def fit(events: list[dict[str, Any]], speed: float, line: Road, fixed: bool, limit: float | None) -> tuple[list[Road], Road]:
     """Events along a road long enough for them; where its length is said, what is unsaid between them is shortened."""
     for share in (1.0, *(_SHARES if fixed else ())):
-        placed, needed = _placed([dict(event) for event in events], speed, share, limit)
+        placed, needed = _placed([dict(event) for event in events], speed, share, limit, fixed=fixed)
         if not events or line["length"] >= needed:
             return placed, line
     if fixed:
@@ -129,8 +129,10 @@ def fit(events: list[dict[str, Any]], speed: float, line: Road, fixed: bool, lim
     return placed, {**line, "length": needed}
 
 
-def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: float | None) -> tuple[list[Road], float]:
-    """Events as fields, usual distances times `share`, and the length of road that they need."""
+def _placed(
+    events: list[dict[str, Any]], speed: float, share: float, limit: float | None, *, fixed: bool
+) -> tuple[list[Road], float]:
+    """Events as fields, usual distances times `share`, and the length of road that they need, little behind them if `fixed`."""
     placed: list[Road] = []
     end = 0.0
     usual = max(30 * KMH, min(speed, 60 * KMH)) if limit is None else limit
@@ -165,7 +167,7 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         road |= {"keeps": facts.value("keeps")}
         placed.append({**road, "length": length if ramp else None})
         end = here + (length if ramp else 0.0)
-    return placed, end + (_LEAST_LAST if everywhere else _LAST * share)
+    return placed, end + (_LEAST_LAST if everywhere and fixed else _LAST * share)
 
 
 def nose_of(event: Road) -> float:

@@ -8,6 +8,7 @@ from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 _PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
 """Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""
 
+_FAST = frozenset({"highway", "motorway", "freeway", "expressway", "interstate"})
 _EACH_WAY = (" direction", " directions", " way", " ways", " side")
 """Ends of "widens to two lanes per direction", which is said of both carriageways; "to two lanes" is said of one."""
 
@@ -20,8 +21,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
     crossed = "crosses" in scene.links or ("meets" in scene.links and not scene.there(*EVENTS))
     if crossed and "highway" in names and scene.there("street", "main"):
         raise Unfit("a motorway that another road meets or crosses is drawn as an interchange: say of which form")
-    fast = "highway" in names and not all(t.has("divided") for t in scene.things if t.name == "highway")
-    fast = fast or ("highway" not in names and "main" not in names and "street" not in names)
+    fast = any(_is_fast(thing) for thing in scene.things) or not {"highway", "main", "street"} & set(names)
     road = scene.merged("highway", "street", "main")
     if any(value not in (None, 1) for value in road.values("count")):
         raise Unfit("one highway is drawn at a time")
@@ -55,6 +55,12 @@ def highway(scene: Scene, choices: Choices) -> Road:
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
     return fields | {"median": None if one_way else median, "both": both or road.value("both"), "events": built}
+
+
+def _is_fast(thing: Thing) -> bool:
+    """Whether who speaks of it so means a motorway: a dual carriageway may be a street, a divided highway is none."""
+    called = bool(_FAST & set(thing.text.split()))
+    return (thing.name == "highway" and (called or not thing.has("divided"))) or (thing.name in EVENTS and called)
 
 
 def _on_both(events: list[Event], road: Thing, one_way: bool, of_highway: bool) -> bool:

@@ -10,6 +10,7 @@ from drivegen.words.things import Road, Scene, Thing, Undrawable, Unfit, merged
 ISLAND = 8.0
 """By how much the island of a roundabout is smaller than its outer edge, per lane of the ring [m]."""
 _EVERYWHERE = {"everywhere", "throughout", "overall", "everything"}
+"""Of these a limit is the ring's, too."""
 
 
 def roundabout(scene: Scene, choices: Choices) -> Road:
@@ -47,12 +48,10 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
         raise Unfit("who enters a roundabout gives way")
     built = [{"angle": a, "lanes_in": lanes[0], "lanes_out": lanes[0], "length": length, "speed": speed} for a in angles]
     own_of_arms(built, arms)
-    usual = min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
-    ring_speed = ring_thing.value("speed") or whole.value("ring_speed")
     everywhere = any(fact.name == "speed" and _EVERYWHERE & set(fact.text.split()) for fact in whole.facts)
-    if ring_speed is None and usual < speed and everywhere:
-        raise Undrawable(f"say the limit of the ring, {usual / KMH:g} km/h where nothing is said, or a limit on all roads")
-    return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed or usual}
+    usual = speed if everywhere else min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
+    ring_speed = ring_thing.value("speed") or whole.value("ring_speed") or usual
+    return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
 
 
 def _diameter(whole: Thing, ring: Thing, choices: Choices, arms: int, lanes: int) -> float:

@@ -47,8 +47,8 @@ def _is(reference: Thing, i: int, words: list[Thing]) -> bool:
 
 def counted(thing: Thing) -> int:
     """How many are asked for. Raises Unfit where several are, and no number is said."""
-    count = thing.value("count")
-    if count is None and thing.text.endswith("s") and not thing.definite and not thing.text.endswith(("ss", "crossroads")):
+    count, noun = thing.value("count"), thing.text.split(" that ")[0]
+    if count is None and noun.endswith("s") and not thing.definite and not noun.endswith(("ss", "crossroads")):
         raise Unfit(f"say how many {thing.text}")
     return int(count or 1)
 

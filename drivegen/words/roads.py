@@ -104,14 +104,16 @@ def _single_road(scene: Scene) -> None:
 
 
 def _cross_streets(scene: Scene) -> None:
-    """Several streets that cross one road lie along it: "a boulevard crossed by three side streets"."""
+    """Several streets that cross or join one road lie along it: "a boulevard crossed by three streets"."""
     streets = [thing for thing in scene.things if thing.name in ("street", "main") and thing.which is None]
     counts = [next((int(f.value) for f in thing.facts if f.name == "count"), 1) for thing in streets]
-    crosses = any("crosses" in links for links in (scene.links, *(thing.links for thing in scene.things)))
-    if crosses and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
-        streets[counts.index(max(counts))].name = "cross"
+    links = scene.links
+    crosses = "crosses" in links
+    several = len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1
+    if several and (crosses or ("meets" in links and not scene.there("roundabout"))):
+        streets[counts.index(max(counts))].name = "cross" if crosses else "side"
     for thing in scene.things:
-        if thing.name == "cross" and "that" in thing.text and not scene.there("street", "main"):
+        if thing.name == "cross" and "that" in thing.text and not (thing.several and scene.there("street", "main")):
             thing.name, thing.links = "street", ["crosses"]  # "two streets that cross": one another
         if thing.name == "side" and crosses and thing.several:
             thing.name = "cross"

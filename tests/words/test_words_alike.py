@@ -3,6 +3,7 @@
 import pytest
 
 from drivegen.words.read import read
+from tests.words.test_words_read import KMH
 
 
 @pytest.mark.parametrize(
@@ -81,6 +82,15 @@ from drivegen.words.read import read
             "a crossing, three lanes each way on the main road",
         ),
         ("two roads meet at 60 degrees", "two roads cross at 60 degrees"),
+        ("three streets branching off one through road", "a main road with three side roads"),
+        ("a residential street with three streets branching off", "a residential street with three side streets"),
+        ("a street that crosses another street", "a street crossing another street"),
+        ("a country road that first bends left and then right", "a country road that bends left then right"),
+        ("nine crossings in a square grid, 150 m between neighbouring crossings", "a 3 by 3 grid, 150 m apart"),
+        ("a residential road ending in a cul-de-sac", "a residential road that ends in a cul-de-sac"),
+        ("a grid with four streets running north to south and three running east to west", "a 3 by 4 grid"),
+        ("a highway with a ramp merging onto it", "a ramp that joins a highway"),
+        ("a roundabout in the centre of a town", "an urban roundabout"),
         ("a main street, 1.2 km, crossed by four side streets", "a main street 1.2 km long, crossed by four side streets"),
         ("a junction with three arms at 120 degrees", "three roads meeting at equal angles"),
         ("a junction of three roads that meet at 120 degrees", "three roads meeting at equal angles"),
@@ -89,3 +99,19 @@ from drivegen.words.read import read
 def test_other_words_for_the_same_draw_the_same(text, plain):
     assert read(text, 7, "same").sentences() == read(plain, 7, "same").sentences()
     assert read(text, 7, "same").road == read(plain, 7, "same").road
+
+
+def test_a_limit_everywhere_is_that_of_the_ring_too():
+    assert read("a roundabout with a limit of 50 km/h everywhere", 7).road.road.ring_speed == 50 * KMH
+    assert read("a roundabout with a limit of 50 km/h on all roads", 7).road.road.ring_speed == 30 * KMH
+
+
+def test_a_divided_highway_is_fast_and_a_dual_carriageway_may_be_a_street():
+    highway = read("a divided highway with three lanes per direction and an off-ramp", 7).road.road
+    assert (highway.speed, read("a dual carriageway", 7).road.road.speed) == (120 * KMH, 50 * KMH)
+
+
+def test_behind_a_place_that_is_said_a_road_goes_on():
+    drop = read("a four-lane freeway that drops to two lanes after 1 km", 7).road.road
+    assert (drop.events[0].position, drop.alignment.length) == (1000, 1250)
+    assert read("a 1050 m long four-lane freeway that drops to two lanes after 1 km", 7).road.road.alignment.length == 1050

@@ -202,7 +202,6 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a T-junction with a left-turn lane on the main road, 50 m long", "whether '50 m long' is said of the turn lanes"),
         ("a crossroads with left-turn lanes on all arms, each 50 m long", "said of the turn lanes"),
         ("a rural road with barriers", "barriers ('barriers') cannot"),
-        ("a roundabout with a limit of 50 km/h everywhere", "the limit of the ring, 30 km/h where nothing is said"),
         ("a crossroads, the main road runs north-south", "drawn from east to west"),
         ("traffic keeps left: a T-junction, the side road from the south", "which side of the main road"),
     ],
