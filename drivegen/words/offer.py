@@ -64,13 +64,15 @@ def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) 
             except Unfit:
                 continue
             if (words.road is not None or words.traffic) and (sentence := _shortest(words, items, choices)):
-                return Offer(sentence, _left_out(covers[0], {i for item in items for i in range(item.start, item.end)}))
-    return Offer(_alike(tokens), _left_out(covers[0], set()))
+                return Offer(sentence, _left_out(covers[0], {i for item in items for i in range(item.start, item.end)}, sentence))
+    return Offer(_alike(tokens), _left_out(covers[0], set(), _alike(tokens)))
 
 
-def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
+def _left_out(cover: Cover, held: set[int], sentence: str) -> tuple[str, ...]:
+    """What is said by tokens that are not `held`, and not by the sentence otherwise."""
+    said = {(item.phrase.name, item.value) for item in covers_of(tokenise(sentence))[0].items}
     items = [item for item in cover.items if item.phrase is not WORD and item.phrase.kind != "cannot"]
-    return tuple(item.raw for item in items if item.start not in held)
+    return tuple(item.raw for item in items if item.start not in held and (item.phrase.name, item.value) not in said)
 
 
 def _clear(items: Sequence[Item]) -> list[Item]:

@@ -280,3 +280,14 @@ def test_what_we_do_is_done_by_the_target(text, does):
 @pytest.mark.parametrize("text", ["a motorway with a lead truck and five cars", "a motorway with a lead bus braking hard"])
 def test_a_lead_vehicle_is_ahead(text):
     assert read(text, 7).traffic.groups[0].place == "ahead"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "roadworks on a motorway: three lanes reduced to one, 80 km/h",
+        "two intersections in a row, the first with traffic lights and the second without",
+    ],
+)
+def test_what_the_offer_holds_is_not_said_to_be_left_out(text):
+    assert "Left out" not in declined(text)
