@@ -58,8 +58,8 @@ def match_route(
     """The route of a track: `positions` (T, 2) [m] and `headings` (T,) [rad] of its valid steps.
 
     It begins abreast of the first position and ends `beyond` [m] after the last one. The track may be on any lane, what lies
-    beyond its end leads only a bus (`kind`, a VehicleKind) onto bus lanes. None if the track followed no lanes:
-    nothing near, or a line that it leaves by more than MOST_OFFSET, or USUAL_OFFSET on average.
+    beyond its end leads only a bus (`kind`, a VehicleKind) onto bus lanes. None if the track followed no lanes: nothing near,
+    no way along them where nothing lies `beyond`, or a line that it leaves by more than MOST_OFFSET, or USUAL_OFFSET on average.
     """
     rows = _telling(np.ascontiguousarray(positions, np.float64))
     lane, s = _viterbi(
@@ -72,6 +72,8 @@ def match_route(
     if pieces is None:
         return None
     travelled = sum(max(piece.end - piece.begin, 0.0) for piece in pieces)
+    if travelled + beyond <= 0.0:
+        return None
     route = build_route(graph, extended(graph, pieces, travelled + beyond, graph.barred(kind)))
     offset = np.abs(to_frenet(route, positions)[:, 1])
     return None if offset.max() > MOST_OFFSET or offset.mean() > USUAL_OFFSET else route

@@ -202,6 +202,12 @@ def test_a_track_against_traffic_matches_no_route():
     assert match_route(ROAD, np.stack([x, np.zeros(60)], 1), np.full(60, np.pi)) is None
 
 
+def test_a_track_that_stands_has_a_route_ahead_and_none_behind_it():
+    place, heading = np.tile([30.0, -1.75], (5, 1)), np.zeros(5)
+    assert match_route(ROAD, place, heading) is not None
+    assert match_route(ROAD, place, heading, beyond=0.0) is None
+
+
 @pytest.mark.parametrize("steps", [1, 2, 50])
 def test_a_parked_car_on_a_lane_is_matched_to_it(steps):
     route = match_route(ROAD, np.full((steps, 2), (50.0, 3.7)), np.full(steps, 0.02))
