@@ -9,6 +9,7 @@ from drivegen.words.read import read
 @pytest.mark.parametrize(
     ("text", "plain"),
     [
+        ("a bus ahead and two other cars", "There is 1 bus ahead of the target vehicle. There are 2 cars."),
         ("two cars follow the ego", "There are 2 cars behind the target vehicle."),
         ("a truck following us", "There is 1 truck behind the target vehicle."),
         ("we follow a delivery truck", "There is 1 truck ahead of the target vehicle."),
