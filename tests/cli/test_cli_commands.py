@@ -197,7 +197,8 @@ def test_what_cannot_be_done_is_one_sentence_and_exit_code(tmp_path, words, code
 
 
 SMALL_DISK = """
-import resource, signal
+import resource, signal, sys
+sys.dont_write_bytecode = True  # Python would leave cut-off files of compiled modules, which nobody can import
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (16_000, resource.RLIM_INFINITY))  # the network fits, its picture does not
 from drivegen.cli import main

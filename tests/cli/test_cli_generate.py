@@ -267,8 +267,9 @@ def test_words_are_read_before_models_are_looked_for(run, project, tmp_path):
 
 
 @pytest.fixture
-def small_disk() -> Iterator[Callable[[int], None]]:
+def small_disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[int], None]]:
     """Sets the size that a file may grow to, which fails as a full disk does."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # cut-off compiled modules would be left
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
     resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
