@@ -8,7 +8,7 @@ from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 _PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
 """Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""
 
-_FAST = frozenset({"highway", "motorway", "freeway", "expressway", "interstate"})
+_FAST_NAMES = frozenset({"highway", "motorway", "freeway", "expressway", "interstate"})
 _EACH_WAY = (" direction", " directions", " way", " ways", " side")
 """Ends of "widens to two lanes per direction", which is said of both carriageways; "to two lanes" is said of one."""
 
@@ -59,7 +59,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
 
 def _is_fast(thing: Thing) -> bool:
     """Whether who speaks of it so means a motorway: a dual carriageway may be a street, a divided highway is none."""
-    called = bool(_FAST & set(thing.text.split()))
+    called = bool(_FAST_NAMES & set(thing.text.split()))
     return (thing.name == "highway" and (called or not thing.has("divided"))) or (thing.name in EVENTS and called)
 
 

@@ -110,7 +110,7 @@ def _cross_streets(scene: Scene) -> None:
     links = scene.links
     crosses = "crosses" in links
     several = len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1
-    if several and (crosses or ("meets" in links and not scene.there("roundabout"))):
+    if several and (crosses or ("meets" in links and not scene.there("crossing", "roundabout"))):
         streets[counts.index(max(counts))].name = "cross" if crosses else "side"
     for thing in scene.things:
         if thing.name == "cross" and "that" in thing.text and not (thing.several and scene.there("street", "main")):

@@ -52,11 +52,7 @@ _SPELLING = (
     (r"^(?:please )?(?:start|begin) with ", ""),
     (r", plus (?=an?\b|\w+ \w)", ", and "),
     (r"\bmade up of\b", "made of"),
-    (r"\b(interchange|junction|intersection|crossing) between (?=an?\b)", r"\1 of "),
-    (
-        r"\b(one|two|three|four|five|six|\d) (\d+(?:\.\d+)?)[- ]?(m|met(?:re|er))[- ](?:wide[- ])?lanes\b",
-        r"\1 lanes, lanes \2 m wide",
-    ),
+    (r"\b(one|two|three|four|five|six|\d) ([\d.]+)[- ]?(?:m|met(?:re|er))[- ](?:wide[- ])?lanes\b", r"\1 lanes, lanes \2 m wide"),
     (r"\br(?:nd|d)?a?bt\b", "roundabout"),
     (r"\btempo (\d+)\b(?! ?k)", r"\1 km/h"),
     (r"\br ?= ?(?=\d)", "radius "),

@@ -73,6 +73,10 @@ from tests.words.test_words_read import KMH
         ("a three-lane one-way street, lanes 3 m wide", "a one-way street of three 3 m lanes"),
         ("a road with two lanes eastbound and one westbound", "a road with two lanes ahead and one back"),
         ("an intersection between a four-lane avenue and a two-lane street", "a four-lane avenue crosses a two-lane street"),
+        (
+            "a diamond interchange between a freeway and a four-lane arterial",
+            "a diamond interchange of a freeway and a four-lane arterial",
+        ),
         ("start with a three-lane motorway at 130 km/h", "a three-lane motorway at 130 km/h"),
         ("a corridor with five intersections spaced every 300 m", "five crossings in a row, 300 m apart"),
         ("a T-junction. The side road must stop", "a T-junction with a stop sign on the side road"),
@@ -84,6 +88,7 @@ from tests.words.test_words_read import KMH
         ("two roads meet at 60 degrees", "two roads cross at 60 degrees"),
         ("three streets branching off one through road", "a main road with three side roads"),
         ("a residential street with three streets branching off", "a residential street with three side streets"),
+        ("two country lanes join a main road at a crossroads", "a main road and a country lane meet at a crossroads"),
         ("a street that crosses another street", "a street crossing another street"),
         ("a country road that first bends left and then right", "a country road that bends left then right"),
         ("nine crossings in a square grid, 150 m between neighbouring crossings", "a 3 by 3 grid, 150 m apart"),

@@ -199,6 +199,7 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a Y-junction, the main road two lanes each way and the side road one", "which of the 3 arms are of the main road"),
         ("three intersections 300 m apart. The last one is a roundabout", "not that 'last one' is 'roundabout'"),
         ("four crossings, the last one a T-junction", "not that 'last one' is 't junction'"),
+        ("a crossing between a roundabout and a T-junction", "in which order junctions lie"),
         ("a T-junction with a left-turn lane on the main road, 50 m long", "whether '50 m long' is said of the turn lanes"),
         ("a crossroads with left-turn lanes on all arms, each 50 m long", "said of the turn lanes"),
         ("a rural road with barriers", "barriers ('barriers') cannot"),
